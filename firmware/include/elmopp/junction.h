@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// Junction: the shape of one site as constant data, and the few questions that everybody asks of it.
+///
+/// Says which movements, signal groups and stages there are, what conflicts with what, how long a clearance takes and
+/// how a queue leaves on green. It decides nothing, keeps no state and checks nothing: elmopp_site_check() (site.h)
+/// says whether the data make a junction, and every other room may rely on a junction that passed it.
+///
+/// Words. An *approach* is a road that leads in (paper: inroad). A *movement* is a lane group: the lanes of one
+/// approach that are served by the same groups in every stage (paper: subedge). A *signal group* is a set of lamps that
+/// always show the same. A *stage* is a maximal set of groups that may be green together (paper: configuration).
+///
+/// The struct is also the body of a site image (site.h), so its layout is fixed: fixed-width members, no implicit
+/// padding, little-endian. Unused rows are zero. Owner: the site file; everybody else holds a const pointer.
+
+#ifndef ELMOPP_JUNCTION_H
+#define ELMOPP_JUNCTION_H
+
+#include "elmopp/bounds.h"
+
+#include <assert.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+/// How a green queue leaves: the flow q in vehicles per second as a function of the queue.
+enum {
+    ELMOPP_DISCHARGE_SATURATION =
+        0, ///< q = saturation_veh_per_s of the movement (spec: profile saturation; the street)
+    ELMOPP_DISCHARGE_GREENSHIELDS =
+        1, ///< q = k v_f (1 - k / k_j), k = load, k_j = 1 (paper, appendix): a full lane stands for ever
+    ELMOPP_DISCHARGE_NOLOCK = 2 ///< the same with k capped at 1/2, so that a full lane leaves at the top rate
+};
+
+/// The choosers that a site may name.
+enum {
+    ELMOPP_CHOOSER_NAIVE = 0,      ///< urgency.h, loads as they are
+    ELMOPP_CHOOSER_CUMULATIVE = 1, ///< urgency.h, loads summed over the forecast
+    ELMOPP_CHOOSER_PRESSURE = 2,   ///< pressure.h
+    ELMOPP_CHOOSER_COUNT = 3
+};
+
+/// The forecasts that a site may name (forecast.h).
+enum {
+    ELMOPP_FORECAST_NONE = 0,        ///< no further inflow
+    ELMOPP_FORECAST_MEAN = 1,        ///< the long-run mean
+    ELMOPP_FORECAST_PERSISTENCE = 2, ///< the last second, again and again
+    ELMOPP_FORECAST_EWMA = 3,        ///< an exponentially weighted mean of the last minutes
+    ELMOPP_FORECAST_AR8 = 4,         ///< linear autoregression over eight seconds, iterated
+    ELMOPP_FORECAST_COUNT = 5
+};
+
+/// One movement. Counts of it arrive once a second as real-valued vehicles.
+typedef struct {
+    char name[ELMOPP_NAME_SIZE]; ///< zero-terminated
+    float capacity_veh;          ///< storage C inside the counted reach; 0: no storage, its load is 0
+    float saturation_veh_per_s;  ///< saturation flow of all its lanes together
+    uint16_t startup_ds;         ///< green time lost until the queue moves
+    uint16_t groups;             ///< mask of the signal groups that must all be green for it to go
+    uint8_t approach;            ///< index of its approach
+    uint8_t lanes;               ///< pavement lanes
+    uint8_t reserved[2];
+} elmopp_movement_t;
+
+/// One signal group with its times in tenths of a second.
+typedef struct {
+    char name[ELMOPP_NAME_SIZE]; ///< zero-terminated
+    uint16_t amber_ds;           ///< amber after green
+    uint16_t red_amber_ds;       ///< red with amber before green; 0: none
+    uint16_t min_green_ds;       ///< a green is never shorter
+    uint16_t max_green_ds;       ///< counted from the first conflicting demand; 0: no bound
+} elmopp_group_t;
+
+/// One junction.
+typedef struct {
+    char name[ELMOPP_SITE_NAME_SIZE]; ///< zero-terminated
+    uint8_t approach_count;
+    uint8_t movement_count;
+    uint8_t group_count;
+    uint8_t stage_count;
+    uint8_t simulation_only; ///< 1: may have zero clearance, never drives real lamps; 0: a street
+    uint8_t discharge;       ///< ELMOPP_DISCHARGE_*
+    uint8_t chooser;         ///< ELMOPP_CHOOSER_*
+    uint8_t forecast;        ///< ELMOPP_FORECAST_*
+    uint16_t hold_min_s;     ///< the chooser's window: a stage is never left before
+    uint16_t hold_max_s;     ///< ... and always left at
+    float reach_m;           ///< how far before the stop line vehicles are counted
+    float free_flow_m_per_s; ///< v_f of the Greenshields laws; 0 with saturation
+    char approach_name[ELMOPP_APPROACH_MAX][ELMOPP_NAME_SIZE]; ///< zero-terminated
+    elmopp_movement_t movement[ELMOPP_MOVEMENT_MAX];
+    elmopp_group_t group[ELMOPP_GROUP_MAX];
+    uint16_t conflict[ELMOPP_GROUP_MAX];     ///< mask of the groups that must never be green with this one; symmetric
+    uint16_t stage_groups[ELMOPP_STAGE_MAX]; ///< mask of the groups that are green in this stage
+    uint16_t intergreen_ds[ELMOPP_GROUP_MAX][ELMOPP_GROUP_MAX]; ///< [ending][starting]: end of green to start of green
+} elmopp_junction_t;
+
+static_assert(sizeof(float) == 4, "the image needs IEEE 754 single precision");
+static_assert(sizeof(elmopp_movement_t) == 28, "a movement must have no implicit padding");
+static_assert(sizeof(elmopp_group_t) == 20, "a group must have no implicit padding");
+static_assert(sizeof(elmopp_junction_t) == 1740, "a junction must have no implicit padding");
+
+/// Load L = Q / C of one movement (paper: the Hadamard quotient of Q and C), 0 where the capacity is 0. Shape: scalar.
+float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);
+
+/// Flow in vehicles per second with which a queue leaves on full green, never more than the queue itself in one second.
+float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);
+
+/// True if all of the movement's signal groups are in the mask.
+bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups);
+
+/// Mask of the movements that go when exactly these signal groups are green.
+uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t groups);
+
+#endif

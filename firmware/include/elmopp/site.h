@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// Site: says whether data make a junction, and loads them from a checked image.
+///
+/// The one predicate that every other room relies on, cut into parts that name what they found, so that a person can be
+/// told and a proof can assume them one by one. It decides nothing about traffic. tools/site judges the same rules a
+/// second time, in the words of the site file; tests hold the two against each other.
+///
+/// Street rules, which a simulation_only site need not fulfil: amber 3 to 6 s (RiLSA 2015, 2.4; MUTCD 4F.17), minimum
+/// green at least 5 s, intergreen of a conflicting pair at least amber of the one that ends plus red-amber of the one
+/// that starts.
+
+#ifndef ELMOPP_SITE_H
+#define ELMOPP_SITE_H
+
+#include "elmopp/junction.h"
+
+/// What is wrong. `first` and `second` of the verdict index what is named in brackets.
+typedef enum {
+    ELMOPP_SITE_OK = 0,
+    ELMOPP_SITE_COUNTS,     ///< a count is 0 or above its bound, or a code is unknown
+    ELMOPP_SITE_NAME,       ///< a name has no terminating zero
+    ELMOPP_SITE_HOLD,       ///< not 1 <= hold_min_s <= hold_max_s <= 600
+    ELMOPP_SITE_MOVEMENT,   ///< capacity, saturation flow, lanes, approach or groups make no movement [movement]
+    ELMOPP_SITE_GROUP,      ///< a time is outside of its rule [group]
+    ELMOPP_SITE_CONFLICT,   ///< a group conflicts with itself, with none that exists, or one-sidedly [group, group]
+    ELMOPP_SITE_INTERGREEN, ///< too short for a conflicting pair, or set for a compatible one [ending, starting]
+    ELMOPP_SITE_STAGE, ///< a stage is empty, repeated, or names no group, or a group is in no stage [stage or group]
+    ELMOPP_SITE_STAGE_CONFLICT,    ///< two groups of a stage conflict [group, group]
+    ELMOPP_SITE_STAGE_NOT_MAXIMAL, ///< a further group fits into the stage [stage, group]
+    ELMOPP_SITE_IMAGE_MAGIC,       ///< does not begin with "ELMS"
+    ELMOPP_SITE_IMAGE_VERSION,     ///< another layout
+    ELMOPP_SITE_IMAGE_LENGTH,      ///< cut or too long
+    ELMOPP_SITE_IMAGE_CRC          ///< changed on the way
+} elmopp_site_fault_t;
+
+/// First fault found, in the order above.
+typedef struct {
+    elmopp_site_fault_t fault;
+    uint8_t first;
+    uint8_t second;
+} elmopp_site_verdict_t;
+
+/// Bytes before the body of an image: magic, version, length of the body, CRC-32 (IEEE 802.3) of the body;
+/// little-endian.
+#define ELMOPP_SITE_IMAGE_HEADER 16U
+#define ELMOPP_SITE_IMAGE_VERSION_NOW 1U
+
+/// True if every rule holds; otherwise the first fault.
+elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction);
+
+/// The parts of elmopp_site_check(), in its order: each may rely on the ones before.
+elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction);
+elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *junction, uint32_t movement);
+elmopp_site_verdict_t elmopp_site_check_group(const elmopp_junction_t *junction, uint32_t group);
+elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, uint32_t ending, uint32_t starting);
+elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction, uint32_t stage);
+
+/// Copies a checked image into `out`. On any fault `out` is unchanged. Needs a little-endian target (all of ours are).
+elmopp_site_verdict_t elmopp_site_load(const uint8_t *image, uint32_t length, elmopp_junction_t *out);
+
+#endif

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/controller.h"
+
+#include "elmopp/assert.h"
+
+#include <stddef.h>
+
+#define COUNT_MAX_VEH 1.0e6F
+
+void elmopp_controller_init(elmopp_controller_t *self, const elmopp_junction_t *junction,
+                            const elmopp_chooser_t *chooser, const elmopp_forecast_config_t *forecast) {
+    ELMOPP_ASSERT((junction->approach_count <= ELMOPP_APPROACH_MAX) &&
+                  (junction->movement_count <= ELMOPP_MOVEMENT_MAX));
+    ELMOPP_ASSERT((junction->group_count <= ELMOPP_GROUP_MAX) && (junction->stage_count <= ELMOPP_STAGE_MAX));
+    ELMOPP_ASSERT((chooser->choose != NULL) && (chooser->horizon_s <= ELMOPP_HORIZON_MAX));
+    *self = (elmopp_controller_t){.junction = junction, .chooser = *chooser, .wanted = ELMOPP_STAGE_NONE};
+    elmopp_forecast_init(&self->forecast, junction, forecast);
+    elmopp_plan_init(&self->plan, junction);
+}
+
+void elmopp_controller_absorb(elmopp_controller_t *self, const float *arrived_veh) {
+    elmopp_forecast_observe(&self->forecast, arrived_veh);
+}
+
+/* False for a NaN too. */
+static bool is_count(float value_veh) {
+    return (value_veh >= 0.0F) && (value_veh <= COUNT_MAX_VEH);
+}
+
+static bool are_counts(const elmopp_controller_t *self, const elmopp_counts_t *counts) {
+    bool good = true;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        good = good && is_count(counts->present_veh[j]) && is_count(counts->arrived_veh[j]);
+    }
+    return good;
+}
+
+static uint16_t waiting_groups(const elmopp_controller_t *self, const float *present_veh) {
+    uint16_t demand = 0U;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const bool going = ((self->going >> j) & 1U) != 0U;
+        if ((!going) && (present_veh[j] >= ELMOPP_CONTROLLER_DEMAND_VEH)) {
+            demand |= self->junction->movement[j].groups;
+        }
+    }
+    return demand;
+}
+
+static void look_ahead(elmopp_controller_t *self, const elmopp_foreseen_t *foreseen, elmopp_view_t *view) {
+    if (foreseen != NULL) {
+        ELMOPP_ASSERT(foreseen->steps <= ELMOPP_HORIZON_MAX);
+        view->foreseen_steps = foreseen->steps;
+        for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+            view->foreseen_veh[i] = foreseen->row_veh[i];
+        }
+    } else {
+        const uint16_t asked_s = self->chooser.horizon_s;
+        const uint16_t steps = (asked_s > ELMOPP_CONTROLLER_TRACE_S) ? asked_s : (uint16_t)ELMOPP_CONTROLLER_TRACE_S;
+        view->foreseen_steps = elmopp_forecast_look(&self->forecast, steps, view->foreseen_veh);
+    }
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        self->foreseen_sum_veh[i] = 0.0F;
+        for (uint32_t t = 0U; (t < view->foreseen_steps) && (t < ELMOPP_CONTROLLER_TRACE_S); t++) {
+            self->foreseen_sum_veh[i] += view->foreseen_veh[i][t];
+        }
+    }
+}
+
+bool elmopp_controller_step(elmopp_controller_t *self, const elmopp_counts_t *counts,
+                            const elmopp_foreseen_t *foreseen) {
+    if (!are_counts(self, counts)) {
+        return false;
+    }
+    elmopp_forecast_observe(&self->forecast, counts->arrived_veh);
+    self->demand = waiting_groups(self, counts->present_veh);
+    elmopp_view_t view = {.junction = self->junction,
+                          .queue_veh = counts->present_veh,
+                          .arrivals_veh = counts->arrived_veh,
+                          .share = elmopp_forecast_share(&self->forecast),
+                          .red_ds = self->red_ds,
+                          .going = self->going,
+                          .elapsed_ds = self->plan.elapsed_ds,
+                          .stage = self->plan.stage,
+                          .target = self->plan.target};
+    look_ahead(self, foreseen, &view);
+    self->wanted = self->chooser.choose(self->chooser.state, &view, self->score);
+    ELMOPP_ASSERT(self->wanted < self->junction->stage_count);
+    return true;
+}
+
+elmopp_lamps_t elmopp_controller_lamp_tick(elmopp_controller_t *self) {
+    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, self->wanted, self->demand);
+    self->going = elmopp_junction_served(self->junction, lamps.green);
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        if (((self->going >> j) & 1U) != 0U) {
+            self->red_ds[j] = 0U;
+        } else if (self->red_ds[j] < UINT16_MAX) {
+            self->red_ds[j]++;
+        } else {
+            /* saturated */
+        }
+    }
+    return lamps;
+}

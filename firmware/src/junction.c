@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/junction.h"
+
+#include "elmopp/assert.h"
+
+/* Load at which the Greenshields parabola k (1 - k) is highest. */
+#define GREENSHIELDS_TOP 0.5F
+
+float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh) {
+    ELMOPP_ASSERT(movement < junction->movement_count);
+    const float capacity_veh = junction->movement[movement].capacity_veh;
+    return (capacity_veh > 0.0F) ? (queue_veh / capacity_veh) : 0.0F;
+}
+
+float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t movement, float queue_veh) {
+    float flow_veh = junction->movement[movement].saturation_veh_per_s;
+    if (junction->discharge != (uint8_t)ELMOPP_DISCHARGE_SATURATION) {
+        float load = elmopp_junction_load(junction, movement, queue_veh);
+        if ((junction->discharge == (uint8_t)ELMOPP_DISCHARGE_NOLOCK) && (load > GREENSHIELDS_TOP)) {
+            load = GREENSHIELDS_TOP;
+        }
+        flow_veh = load * junction->free_flow_m_per_s * (1.0F - load);
+    }
+    return (flow_veh < queue_veh) ? flow_veh : queue_veh;
+}
+
+bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups) {
+    ELMOPP_ASSERT(movement < junction->movement_count);
+    const uint16_t needed = junction->movement[movement].groups;
+    return (needed & groups) == needed;
+}
+
+uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t groups) {
+    uint32_t served = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        if (elmopp_junction_goes(junction, j, groups)) {
+            served |= 1UL << j;
+        }
+    }
+    return served;
+}

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/site.h"
+
+#include <string.h>
+
+#define HOLD_MAX_S 600U
+#define AMBER_MIN_DS 30U
+#define AMBER_MAX_DS 60U
+#define STREET_GREEN_MIN_DS 50U
+#define VEHICLES_MAX 1.0e6F
+
+static const elmopp_site_verdict_t ok = {ELMOPP_SITE_OK, 0U, 0U};
+
+static elmopp_site_verdict_t fault(elmopp_site_fault_t what, uint32_t first, uint32_t second) {
+    return (elmopp_site_verdict_t){what, (uint8_t)first, (uint8_t)second};
+}
+
+static bool in_mask(uint32_t mask, uint32_t index) {
+    return ((mask >> index) & 1U) != 0U;
+}
+
+static uint16_t all_groups(const elmopp_junction_t *junction) {
+    return (uint16_t)((1UL << junction->group_count) - 1UL);
+}
+
+static bool ends_with_zero(const char *name, uint32_t size) {
+    return (name[0] != '\0') && (name[size - 1U] == '\0');
+}
+
+/* False for a NaN too. */
+static bool between(float value, float low, float high) {
+    return (value >= low) && (value <= high);
+}
+
+static bool names_end(const elmopp_junction_t *junction) {
+    bool good = ends_with_zero(junction->name, ELMOPP_SITE_NAME_SIZE);
+    for (uint32_t i = 0U; i < junction->approach_count; i++) {
+        good = good && ends_with_zero(junction->approach_name[i], ELMOPP_NAME_SIZE);
+    }
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        good = good && ends_with_zero(junction->movement[j].name, ELMOPP_NAME_SIZE);
+    }
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        good = good && ends_with_zero(junction->group[g].name, ELMOPP_NAME_SIZE);
+    }
+    return good;
+}
+
+static bool count_fits(uint8_t count, uint32_t bound) {
+    return (count >= 1U) && (count <= bound);
+}
+
+elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction) {
+    const bool counts = count_fits(junction->approach_count, ELMOPP_APPROACH_MAX) &&
+                        count_fits(junction->movement_count, ELMOPP_MOVEMENT_MAX) &&
+                        count_fits(junction->group_count, ELMOPP_GROUP_MAX) &&
+                        count_fits(junction->stage_count, ELMOPP_STAGE_MAX);
+    const bool codes = (junction->simulation_only <= 1U) && (junction->discharge <= (uint8_t)ELMOPP_DISCHARGE_NOLOCK) &&
+                       (junction->chooser < (uint8_t)ELMOPP_CHOOSER_COUNT) &&
+                       (junction->forecast < (uint8_t)ELMOPP_FORECAST_COUNT);
+    const bool flow = (junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION) ||
+                      (between(junction->free_flow_m_per_s, 0.0F, 100.0F) && (junction->free_flow_m_per_s > 0.0F));
+    if ((!counts) || (!codes) || (!flow)) {
+        return fault(ELMOPP_SITE_COUNTS, 0U, 0U);
+    }
+    if (!names_end(junction)) {
+        return fault(ELMOPP_SITE_NAME, 0U, 0U);
+    }
+    const bool hold = (junction->hold_min_s >= 1U) && (junction->hold_min_s <= junction->hold_max_s) &&
+                      (junction->hold_max_s <= HOLD_MAX_S);
+    return hold ? ok : fault(ELMOPP_SITE_HOLD, 0U, 0U);
+}
+
+elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *junction, uint32_t movement) {
+    const elmopp_movement_t *lane = &junction->movement[movement];
+    const bool numbers = between(lane->capacity_veh, 0.0F, VEHICLES_MAX) &&
+                         between(lane->saturation_veh_per_s, 0.0F, VEHICLES_MAX) && (lane->saturation_veh_per_s > 0.0F);
+    const bool places = (lane->approach < junction->approach_count) && (lane->lanes >= 1U) && (lane->groups != 0U) &&
+                        ((lane->groups & all_groups(junction)) == lane->groups);
+    bool served = false;
+    for (uint32_t s = 0U; s < junction->stage_count; s++) {
+        served = served || ((lane->groups & junction->stage_groups[s]) == lane->groups);
+    }
+    return (numbers && places && served) ? ok : fault(ELMOPP_SITE_MOVEMENT, movement, 0U);
+}
+
+elmopp_site_verdict_t elmopp_site_check_group(const elmopp_junction_t *junction, uint32_t group) {
+    const elmopp_group_t *times = &junction->group[group];
+    const bool street = junction->simulation_only == 0U;
+    const bool amber = (!street) || ((times->amber_ds >= AMBER_MIN_DS) && (times->amber_ds <= AMBER_MAX_DS));
+    const uint16_t shortest_ds = street ? (uint16_t)STREET_GREEN_MIN_DS : (uint16_t)ELMOPP_LAMP_TICKS_PER_S;
+    const bool green = (times->min_green_ds >= shortest_ds) &&
+                       ((times->max_green_ds == 0U) || (times->max_green_ds >= times->min_green_ds));
+    return (amber && green) ? ok : fault(ELMOPP_SITE_GROUP, group, 0U);
+}
+
+elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, uint32_t ending, uint32_t starting) {
+    const bool conflict = in_mask(junction->conflict[ending], starting);
+    const bool mirrored = in_mask(junction->conflict[starting], ending);
+    const bool exists = (junction->conflict[ending] & all_groups(junction)) == junction->conflict[ending];
+    if ((conflict != mirrored) || (conflict && (ending == starting)) || (!exists)) {
+        return fault(ELMOPP_SITE_CONFLICT, ending, starting);
+    }
+    const uint32_t intergreen_ds = junction->intergreen_ds[ending][starting];
+    const uint32_t lamps_ds = (uint32_t)junction->group[ending].amber_ds + junction->group[starting].red_amber_ds;
+    const bool good = conflict ? (intergreen_ds >= lamps_ds) : (intergreen_ds == 0U);
+    return good ? ok : fault(ELMOPP_SITE_INTERGREEN, ending, starting);
+}
+
+/* Compatible groups that are all in the stage, and no further one that would fit. */
+elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction, uint32_t stage) {
+    const uint16_t groups = junction->stage_groups[stage];
+    if ((groups == 0U) || ((groups & all_groups(junction)) != groups)) {
+        return fault(ELMOPP_SITE_STAGE, stage, 0U);
+    }
+    for (uint32_t s = 0U; s < stage; s++) {
+        if (junction->stage_groups[s] == groups) {
+            return fault(ELMOPP_SITE_STAGE, stage, s);
+        }
+    }
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        const uint16_t clash = (uint16_t)(junction->conflict[g] & groups);
+        for (uint32_t h = 0U; h < junction->group_count; h++) {
+            if (in_mask(groups, g) && in_mask(clash, h)) {
+                return fault(ELMOPP_SITE_STAGE_CONFLICT, g, h);
+            }
+        }
+        if ((!in_mask(groups, g)) && (clash == 0U)) {
+            return fault(ELMOPP_SITE_STAGE_NOT_MAXIMAL, stage, g);
+        }
+    }
+    return ok;
+}
+
+static elmopp_site_verdict_t check_pairs(const elmopp_junction_t *junction) {
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        for (uint32_t h = 0U; h < junction->group_count; h++) {
+            const elmopp_site_verdict_t verdict = elmopp_site_check_pair(junction, g, h);
+            if (verdict.fault != ELMOPP_SITE_OK) {
+                return verdict;
+            }
+        }
+    }
+    return ok;
+}
+
+typedef elmopp_site_verdict_t (*check_fn_t)(const elmopp_junction_t *junction, uint32_t index);
+
+static elmopp_site_verdict_t check_each(const elmopp_junction_t *junction, uint32_t count, check_fn_t check) {
+    elmopp_site_verdict_t verdict = ok;
+    for (uint32_t i = 0U; (i < count) && (verdict.fault == ELMOPP_SITE_OK); i++) {
+        verdict = check(junction, i);
+    }
+    return verdict;
+}
+
+elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
+    elmopp_site_verdict_t verdict = elmopp_site_check_counts(junction);
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->movement_count, elmopp_site_check_movement);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->group_count, elmopp_site_check_group);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_pairs(junction);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->stage_count, elmopp_site_check_stage);
+    }
+    return verdict;
+}
+
+static uint32_t crc32(const uint8_t *bytes, uint32_t length) {
+    uint32_t crc = 0xFFFFFFFFUL;
+    for (uint32_t i = 0U; i < length; i++) {
+        crc ^= bytes[i];
+        for (uint32_t k = 0U; k < 8U; k++) {
+            crc = ((crc & 1U) != 0U) ? ((crc >> 1U) ^ 0xEDB88320UL) : (crc >> 1U);
+        }
+    }
+    return ~crc;
+}
+
+static uint32_t word_at(const uint8_t *bytes) {
+    return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8U) | ((uint32_t)bytes[2] << 16U) | ((uint32_t)bytes[3] << 24U);
+}
+
+static elmopp_site_verdict_t check_envelope(const uint8_t *image, uint32_t length) {
+    static const uint8_t magic[4] = {0x45U, 0x4CU, 0x4DU, 0x53U}; /* "ELMS" */
+    if ((length < ELMOPP_SITE_IMAGE_HEADER) || (memcmp(image, magic, sizeof magic) != 0)) {
+        return fault(ELMOPP_SITE_IMAGE_MAGIC, 0U, 0U);
+    }
+    if (word_at(&image[4]) != ELMOPP_SITE_IMAGE_VERSION_NOW) {
+        return fault(ELMOPP_SITE_IMAGE_VERSION, 0U, 0U);
+    }
+    const uint32_t body = (uint32_t)sizeof(elmopp_junction_t);
+    if ((word_at(&image[8]) != body) || (length != (ELMOPP_SITE_IMAGE_HEADER + body))) {
+        return fault(ELMOPP_SITE_IMAGE_LENGTH, 0U, 0U);
+    }
+    const bool intact = word_at(&image[12]) == crc32(&image[ELMOPP_SITE_IMAGE_HEADER], body);
+    return intact ? ok : fault(ELMOPP_SITE_IMAGE_CRC, 0U, 0U);
+}
+
+elmopp_site_verdict_t elmopp_site_load(const uint8_t *image, uint32_t length, elmopp_junction_t *out) {
+    elmopp_site_verdict_t verdict = check_envelope(image, length);
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        elmopp_junction_t loaded;
+        (void)memcpy(&loaded, &image[ELMOPP_SITE_IMAGE_HEADER], sizeof loaded);
+        verdict = elmopp_site_check(&loaded);
+        if (verdict.fault == ELMOPP_SITE_OK) {
+            *out = loaded;
+        }
+    }
+    return verdict;
+}
