@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+"""Stages and conflicts of the sites in the repository, against derivations of their own."""
+
+from __future__ import annotations
+
+import random
+from itertools import combinations
+from pathlib import Path
+
+import pytest
+from elmopp_tools.site import load_site
+from elmopp_tools.site_model import Junction
+from elmopp_tools.stages import addable_group, conflict_pair, enumerate_stages
+
+SITES = Path(__file__).resolve().parents[2] / "sites"
+
+PAPER_STAGES = [
+    ["N.L", "S.L"],
+    ["N.M", "N.R", "S.M", "S.R"],
+    ["E.L", "W.L"],
+    ["E.M", "E.R", "W.M", "W.R"],
+    ["N.L", "N.M", "N.R"],
+    ["E.L", "E.M", "E.R"],
+    ["S.L", "S.M", "S.R"],
+    ["W.L", "W.M", "W.R"],
+]
+
+# Masks in the order of the generated files; a change here changes what every recorded run means.
+PINNED_STAGES = {
+    "paper": [0x041, 0x186, 0x208, 0xC30, 0x007, 0x038, 0x1C0, 0xE00],
+    "four_way": [
+        *[0x027, 0x126, 0x12C, 0x138, 0x186, 0x30C, 0x825, 0x861, 0x924],
+        *[0x930, 0x960, 0x984, 0x9C0, 0xB04, 0xC24, 0xC30, 0xE04],
+    ],
+    "three_way": [0x0B, 0x2A, 0x2C, 0x32],
+    "five_way": [0x007, 0x018, 0x020, 0x041, 0x110, 0x186, 0x1C0, 0x20C, 0x304, 0x410, 0x604],
+    "one_way": [0x1, 0x2],
+}
+
+# Arms clockwise, and for each group of the site its ways from arm to arm. Traffic keeps to the right.
+ARMS = {"four_way": "N E S W", "three_way": "E S W", "five_way": "N E SE S W", "one_way": "N E S W"}
+WAYS = {
+    "four_way": """N.L: N>E  N.M: N>S  N.R: N>W  E.L: E>S  E.M: E>W  E.R: E>N
+                   S.L: S>W  S.M: S>N  S.R: S>E  W.L: W>N  W.M: W>E  W.R: W>S""",
+    "three_way": "E.L: E>S  E.M: E>W  S.L: S>W  S.R: S>E  W.M: W>E  W.R: W>S",
+    "five_way": """N.L: N>E N>SE  N.M: N>S  N.R: N>W  E.L: E>SE E>S  E.T: E>W E>N  SE: SE>S SE>W SE>N SE>E
+                   S.L: S>W  S.M: S>N  S.R: S>E S>SE  W.L: W>N  W.T: W>E W>SE W>S""",
+    "one_way": "N: N>S N>E  W: W>E W>S",
+}
+
+
+def site(name: str) -> Junction:
+    return load_site(SITES / f"{name}.toml")[0]
+
+
+def brute_force(conflict: list[int]) -> list[int]:
+    """All maximal compatible sets, by trying every subset."""
+    size = len(conflict)
+
+    def compatible(subset: int) -> bool:
+        return all(not (subset >> group & 1 and subset & conflict[group]) for group in range(size))
+
+    good = {subset for subset in range(1, 1 << size) if compatible(subset)}
+    return sorted(s for s in good if not any(s | 1 << g in good for g in range(size) if not s >> g & 1))
+
+
+def random_conflicts(generator: random.Random, size: int, share: float) -> list[int]:
+    conflict = [0] * size
+    for first, second in combinations(range(size), 2):
+        if generator.random() < share:
+            conflict[first] |= 1 << second
+            conflict[second] |= 1 << first
+    return conflict
+
+
+def ways_of(name: str) -> dict[str, list[tuple[str, str]]]:
+    """For each group its ways as (from, to)."""
+    ways: dict[str, list[tuple[str, str]]] = {}
+    for word in WAYS[name].split():
+        if word.endswith(":"):
+            current = ways.setdefault(word[:-1], [])
+        else:
+            entry, _, exit_ = word.partition(">")
+            current.append((entry, exit_))
+    return ways
+
+
+def paths_meet(arms: list[str], first: tuple[str, str], second: tuple[str, str]) -> bool:
+    """Whether two ways cross or merge. Clockwise round the junction every arm has its entry, then its exit."""
+    if first[0] == second[0]:
+        return False
+    if first[1] == second[1]:
+        return True
+    low, high = sorted((2 * arms.index(first[0]), 2 * arms.index(first[1]) + 1))
+    entry, exit_ = 2 * arms.index(second[0]), 2 * arms.index(second[1]) + 1
+    return (low < entry < high) != (low < exit_ < high)
+
+
+def geometric_conflicts(name: str) -> dict[str, set[str]]:
+    arms, ways = ARMS[name].split(), ways_of(name)
+    return {
+        group: {other for other in ways if any(paths_meet(arms, a, b) for a in ways[group] for b in ways[other])}
+        for group in ways
+    }
+
+
+@pytest.mark.parametrize("name", PINNED_STAGES)
+def test_stages_of_the_sites_are_pinned(name: str) -> None:
+    assert list(site(name).stages) == PINNED_STAGES[name]
+
+
+@pytest.mark.parametrize("name", PINNED_STAGES)
+def test_stages_of_the_sites_are_all_that_a_brute_force_finds(name: str) -> None:
+    junction = site(name)
+    assert sorted(junction.stages) == brute_force(list(junction.conflict))
+
+
+def test_every_site_in_the_repository_is_pinned() -> None:
+    assert {path.stem for path in SITES.glob("*.toml")} == set(PINNED_STAGES)
+
+
+def test_enumeration_is_the_brute_force_on_random_conflicts() -> None:
+    generator = random.Random(20260131)
+    for trial in range(400):
+        size = 1 + trial % 12
+        conflict = random_conflicts(generator, size, generator.choice([0.1, 0.3, 0.5, 0.7, 0.9]))
+        assert enumerate_stages(conflict) == brute_force(conflict)
+
+
+def test_enumeration_has_one_stage_without_conflicts_and_one_per_group_with_all() -> None:
+    assert enumerate_stages([]) == []
+    assert enumerate_stages([0] * 5) == [0b11111]
+    assert enumerate_stages([0b1111 ^ 1 << group for group in range(4)]) == [1, 2, 4, 8]
+
+
+def test_enumeration_of_sixteen_groups_in_conflicting_triples() -> None:
+    conflict = [(0b111 << group // 3 * 3) & 0xFFFF & ~(1 << group) for group in range(16)]
+    stages = enumerate_stages(conflict)
+    assert len(stages) == len(set(stages)) == 3**5
+    assert all(conflict_pair(conflict, stage) is None and addable_group(conflict, stage) is None for stage in stages)
+
+
+def test_conflict_pair_and_addable_group_name_the_lowest() -> None:
+    conflict = [0b0010, 0b0101, 0b0010, 0b0000]
+    assert conflict_pair(conflict, 0b0111) == (0, 1)
+    assert conflict_pair(conflict, 0b1101) is None
+    assert addable_group(conflict, 0b1001) == 2
+    assert addable_group(conflict, 0b1101) is None
+
+
+def test_paper_site_has_the_eight_configurations_in_order() -> None:
+    junction = site("paper")
+    assert [junction.group_names(stage) for stage in junction.stages] == PAPER_STAGES
+    assert junction.simulation_only
+
+
+def test_paper_movements_are_compatible_exactly_if_they_share_a_configuration() -> None:
+    junction = site("paper")
+    names = [group.name for group in junction.groups]
+    conflicting = 0
+    for first, second in combinations(range(len(names)), 2):
+        share = any(names[first] in stage and names[second] in stage for stage in PAPER_STAGES)
+        assert share != bool(junction.conflict[first] >> second & 1), (names[first], names[second])
+        conflicting += not share
+    assert conflicting == junction.conflict_count() == 44
+
+
+def test_paper_movements_have_the_index_of_the_paper() -> None:
+    junction = site("paper")
+    names = [f"{approach}.{turn}" for approach in "NESW" for turn in "LMR"]
+    assert [movement.name for movement in junction.movements] == names
+    assert [movement.approach for movement in junction.movements] == [index // 3 for index in range(12)]
+    assert [movement.groups for movement in junction.movements] == [1 << index for index in range(12)]
+
+
+@pytest.mark.parametrize("name", WAYS)
+def test_street_sites_conflict_where_paths_cross_or_merge(name: str) -> None:
+    junction = site(name)
+    written = {
+        group.name: set(junction.group_names(junction.conflict[index])) for index, group in enumerate(junction.groups)
+    }
+    assert written == geometric_conflicts(name)
+    assert not junction.simulation_only
+
+
+@pytest.mark.parametrize("name", WAYS)
+def test_street_sites_have_intergreens_between_amber_and_ten_seconds(name: str) -> None:
+    junction = site(name)
+    for end, row in enumerate(junction.intergreen_ds):
+        for start, time_ds in enumerate(row):
+            assert (50 <= time_ds <= 100) if junction.conflict[end] >> start & 1 else time_ds == 0

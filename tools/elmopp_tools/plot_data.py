@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""The rows of an experiment as tools/plot reads them, and their means with intervals."""
+
+import csv
+import json
+import math
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+TEXT_COLUMNS = ("profile", "chooser", "forecast")
+COUNT_COLUMNS = ("vehicles", "trial", "seed")
+METRIC_COLUMNS = (
+    "throughput_veh_per_s",
+    "served_share",
+    "mean_delay_s",
+    "longest_red_s",
+    "switches",
+    "figure_throughput_veh_per_s",
+    "vehicles_in",
+    "vehicles_out",
+    "vehicles_queued",
+    "vehicles_outside",
+)
+COLUMNS = TEXT_COLUMNS + COUNT_COLUMNS + METRIC_COLUMNS
+
+COUNT_PATTERN = re.compile(r"[0-9]{1,20}")
+NUMBER_PATTERN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+NUMBER_MAX = 1e12  # far above any result, and its square is still a number
+CONFIDENCE = 0.95
+SHOWN_LENGTH_MAX = 60
+
+
+class PlotError(Exception):
+    """What is wrong, with which value, and what would be right."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One trial."""
+
+    profile: str
+    chooser: str
+    forecast: str
+    vehicles: int
+    trial: int
+    seed: int
+    metrics: dict[str, float]
+
+    @property
+    def name(self) -> str:
+        """As on the command line of host_sim."""
+        return self.chooser if self.forecast == "none" else f"{self.chooser}:{self.forecast}"
+
+    @property
+    def key(self) -> tuple[str, str, int, int, int]:
+        return self.profile, self.name, self.vehicles, self.trial, self.seed
+
+
+@dataclass(frozen=True)
+class Point:
+    """The mean over the trials at one number of vehicles; half_width is that of its interval, 0 for a single trial."""
+
+    vehicles: int
+    mean: float
+    half_width: float
+    trials: int
+
+
+def read_results(folder: Path) -> list[Row]:
+    """The rows of trials.csv and, if it is there, of beside.csv; a trial that is in both counts once."""
+    trials = folder / "trials.csv"
+    if not trials.exists():
+        raise PlotError(f"{trials}: no such file; right would be the folder that host_sim experiment wrote")
+    rows = _read(trials)
+    if not rows:
+        raise PlotError(f"{trials}:2: no rows; right would be one row a trial below the header")
+    beside = folder / "beside.csv"
+    if beside.exists():
+        rows += _read(beside)
+    return list({row.key: row for row in reversed(rows)}.values())[::-1]
+
+
+def points_of(rows: Iterable[Row], metric: str) -> list[Point]:
+    """One point for each number of vehicles, in rising order."""
+    values: dict[int, list[float]] = {}
+    for row in rows:
+        values.setdefault(row.vehicles, []).append(row.metrics[metric])
+    return [_point(vehicles, values[vehicles]) for vehicles in sorted(values)]
+
+
+def student_quantile(probability: float, degrees: int) -> float:
+    """The t that Student's distribution stays below with this probability (0.5 or more), by bisection."""
+    low, high = 0.0, 1.0
+    while _student_cdf(high, degrees) < probability:
+        high *= 2.0
+    for _ in range(80):
+        middle = (low + high) / 2.0
+        if _student_cdf(middle, degrees) < probability:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2.0
+
+
+def _student_cdf(t: float, degrees: int) -> float:
+    """The finite sums for whole degrees of freedom: Abramowitz and Stegun, 26.7.3 and 26.7.4."""
+    angle = math.atan(t / math.sqrt(degrees))
+    cosine, sine = math.cos(angle), math.sin(angle)
+    odd = degrees % 2 == 1
+    term = cosine if odd else 1.0
+    total = term if degrees > 1 else 0.0
+    for k in range(3 if odd else 2, degrees, 2):
+        term *= cosine * cosine * (k - 1) / k
+        total += term
+    both_sides = 2.0 / math.pi * (angle + sine * total) if odd else sine * total
+    return 0.5 + both_sides / 2.0
+
+
+def _point(vehicles: int, values: list[float]) -> Point:
+    count = len(values)
+    mean = math.fsum(values) / count
+    if count == 1:
+        return Point(vehicles, mean, 0.0, count)
+    variance = math.fsum((value - mean) ** 2 for value in values) / (count - 1)
+    factor = student_quantile((1.0 + CONFIDENCE) / 2.0, count - 1)
+    return Point(vehicles, mean, factor * math.sqrt(variance / count), count)
+
+
+def _read(path: Path) -> list[Row]:
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as stream:
+            return [_row(path, line, cells) for line, cells in _records(path, stream)]
+    except UnicodeDecodeError:
+        raise PlotError(f"{path}: is no UTF-8 text; right would be a CSV file with a header line") from None
+    except OSError as error:
+        raise PlotError(f"{path}: {error.strerror}; right would be a file that can be read") from None
+
+
+def _records(path: Path, stream: Iterable[str]) -> Iterator[tuple[int, dict[str, str]]]:
+    """The lines below the header, each with its number and its cells by column."""
+    reader = csv.reader(stream, strict=True)
+    try:
+        header = next(reader, [])
+        for column in COLUMNS:
+            if column not in header:
+                raise PlotError(f"{path}:1: no column {column}; right would be {','.join(COLUMNS)}")
+        for cells in reader:
+            if len(cells) != len(header):
+                wrong = f"{path}:{reader.line_num}: {len(cells)} values"
+                raise PlotError(f"{wrong}; right would be {len(header)} as in the header")
+            yield reader.line_num, dict(zip(header, cells, strict=True))
+    except csv.Error as error:
+        raise PlotError(f"{path}:{reader.line_num}: {error}; right would be a line of CSV") from None
+
+
+def _row(path: Path, line: int, cells: dict[str, str]) -> Row:
+    for column in TEXT_COLUMNS:
+        if not cells[column].isprintable() or not cells[column]:
+            raise _wrong_cell(path, line, column, cells[column], "a name")
+    for column in COUNT_COLUMNS:
+        if not COUNT_PATTERN.fullmatch(cells[column]):
+            raise _wrong_cell(path, line, column, cells[column], "a whole number")
+    if int(cells["vehicles"]) > NUMBER_MAX:
+        raise _wrong_cell(path, line, "vehicles", cells["vehicles"], f"at most {NUMBER_MAX:g}")
+    for column in METRIC_COLUMNS:
+        text = cells[column]
+        if not NUMBER_PATTERN.fullmatch(text) or abs(float(text)) > NUMBER_MAX:
+            raise _wrong_cell(path, line, column, text, f"a number of at most {NUMBER_MAX:g}")
+    return Row(
+        profile=cells["profile"],
+        chooser=cells["chooser"],
+        forecast=cells["forecast"],
+        vehicles=int(cells["vehicles"]),
+        trial=int(cells["trial"]),
+        seed=int(cells["seed"]),
+        metrics={column: float(cells[column]) for column in METRIC_COLUMNS},
+    )
+
+
+def _wrong_cell(path: Path, line: int, column: str, value: str, right: str) -> PlotError:
+    shown = value if len(value) <= SHOWN_LENGTH_MAX else value[: SHOWN_LENGTH_MAX - 3] + "..."
+    return PlotError(f"{path}:{line}, column {column}: {json.dumps(shown)}; right would be {right}")

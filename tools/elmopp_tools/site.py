@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""The command behind tools/site: reads a site file, checks it, writes it as C or as an image, or compares."""
+
+import argparse
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from elmopp_tools.site_build import build_junction
+from elmopp_tools.site_c import c_text
+from elmopp_tools.site_image import image_bytes
+from elmopp_tools.site_model import Junction, SiteError
+from elmopp_tools.site_rules import check_junction
+from elmopp_tools.site_toml import read_document
+
+EXIT_DONE = 0
+EXIT_DIFFERENT = 1
+EXIT_REFUSED = 2
+
+DESCRIPTION = """\
+Reads the description of one junction (a site file in TOML, see sites/), works out its stages, checks it, and
+turns it into what the controller loads.
+
+A stage is a maximal set of signal groups that may be green together; all of them follow from the conflict table.
+Without --c and --image nothing is written: the site is checked and a summary is printed."""
+
+EPILOG = """\
+Exit codes: 0 done; 1 --check found a difference; 2 the site file or the request is wrong, with one line that says
+what and what would be right. Then no file is touched.
+
+Examples:
+  tools/site sites/four_way.toml                                  check, print the stages
+  tools/site sites/four_way.toml --c sites/four_way.c             make the C file
+  tools/site sites/four_way.toml --c sites/four_way.c --check     is the C file up to date?"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line, like all others of this tool."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(EXIT_REFUSED, f"site: {message} ; see tools/site --help\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        return _run(options)
+    except SiteError as error:
+        _say(options.site, str(error))
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_DONE
+    except OSError as error:
+        _say(error.filename or options.site, f"{error.strerror} ; a file that can be read or written")
+    return EXIT_REFUSED
+
+
+def load_site(path: Path) -> tuple[Junction, bytes]:
+    """The checked junction of a site file, and the bytes it was read from."""
+    source = path.read_bytes()
+    junction = build_junction(read_document(source))
+    check_junction(junction)
+    return junction, source
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="tools/site",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("site", metavar="SITE.toml", type=Path, help="the site file")
+    parser.add_argument("--c", metavar="FILE.c", type=Path, help="write a C file with one constant elmopp_junction_t")
+    parser.add_argument(
+        "--image", metavar="FILE.bin", type=Path, help="write the same as an image with version and CRC-32"
+    )
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing; compare with the files named by --c and --image"
+    )
+    return parser
+
+
+def _run(options: argparse.Namespace) -> int:
+    junction, source = load_site(options.site)
+    sha256 = hashlib.sha256(source).hexdigest()
+    outputs: dict[Path, bytes] = {}
+    if options.c is not None:
+        outputs[options.c] = c_text(junction, options.site.name, sha256).encode("ascii")
+    if options.image is not None:
+        _check_distinct(options.image, outputs)
+        outputs[options.image] = image_bytes(junction)
+    if options.check:
+        return _compare(options.site, outputs)
+    if not outputs:
+        print(summary(junction), flush=True)
+    for path in outputs:
+        _check_distinct(path, [options.site])
+        _check_replaceable(path)
+    _write(outputs)
+    return EXIT_DONE
+
+
+def summary(junction: Junction) -> str:
+    """What the site is, for a person: counts and the stages by number."""
+    counts = {
+        "approaches": len(junction.approaches),
+        "movements": len(junction.movements),
+        "groups": len(junction.groups),
+        "conflicting pairs": junction.conflict_count(),
+        "stages": len(junction.stages),
+    }
+    name = f"{junction.name} (simulation only)" if junction.simulation_only else junction.name
+    head = f"{name}: " + ", ".join(f"{what} {count}" for what, count in counts.items())
+    stages = [f"stage {index}: {' '.join(junction.group_names(mask))}" for index, mask in enumerate(junction.stages)]
+    return "\n".join([head, *stages])
+
+
+def _say(path: Path | str, message: str) -> None:
+    """One line on stderr, whatever the message holds."""
+    print(" ".join(f"site: {path}: {message}".split()), file=sys.stderr)
+
+
+def _check_distinct(path: Path, others: dict[Path, bytes] | list[Path]) -> None:
+    if any(path.resolve() == other.resolve() for other in others):
+        raise SiteError("two of the named files are the same", str(path), "a name for each")
+
+
+def _check_replaceable(path: Path) -> None:
+    """A rename would replace a device or a folder by a file."""
+    if path.exists() and not path.is_file():
+        raise SiteError("the output is no regular file", str(path), "a file name")
+    if not path.parent.is_dir():
+        raise SiteError("the folder of the output does not exist", str(path), "a folder that exists")
+
+
+def _write(outputs: dict[Path, bytes]) -> None:
+    """Writes all files beside their places, then renames: a reader sees the old or the new, never a part."""
+    drafts: dict[Path, Path] = {}
+    try:
+        for path, content in outputs.items():
+            drafts[path] = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+            drafts[path].write_bytes(content)
+        for path, draft in drafts.items():
+            draft.replace(path)
+    finally:
+        for draft in drafts.values():
+            draft.unlink(missing_ok=True)
+
+
+def _compare(site: Path, outputs: dict[Path, bytes]) -> int:
+    """Generates into a temporary folder and compares bytes with the files that are there."""
+    if not outputs:
+        raise SiteError("--check has nothing to compare", "no --c, no --image", "name the file to compare")
+    with tempfile.TemporaryDirectory() as folder:
+        fresh = {Path(folder) / str(index): content for index, content in enumerate(outputs.values())}
+        _write(fresh)
+        for path, new_path in zip(outputs, fresh, strict=True):
+            if not path.exists():
+                _say(path, f"is missing ; make it with tools/site {site}")
+                return EXIT_DIFFERENT
+            if path.read_bytes() != new_path.read_bytes():
+                _say(path, f"differs from what {site} makes ; make it again with tools/site {site}")
+                return EXIT_DIFFERENT
+    return EXIT_DONE
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

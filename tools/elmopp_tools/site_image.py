@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""Writes a Junction as a site image: an envelope and the little-endian bytes of elmopp_junction_t."""
+
+import struct
+import zlib
+
+from elmopp_tools.site_model import (
+    APPROACH_MAX,
+    CHOOSERS,
+    DISCHARGES,
+    FORECASTS,
+    GROUP_MAX,
+    MOVEMENT_MAX,
+    NAME_SIZE,
+    SITE_NAME_SIZE,
+    STAGE_MAX,
+    Group,
+    Junction,
+    Movement,
+)
+
+MAGIC = b"ELMS"
+VERSION = 1
+ENVELOPE = struct.Struct("<4sIII")  # magic, version, length of the body, CRC-32 of the body
+
+WORD_SIZE = 2
+
+_HEAD = struct.Struct(f"<{SITE_NAME_SIZE}s8B2H2f")
+_MOVEMENT = struct.Struct(f"<{NAME_SIZE}sffHHBB2x")
+_GROUP = struct.Struct(f"<{NAME_SIZE}s4H")
+
+
+def image_bytes(junction: Junction) -> bytes:
+    """The whole image."""
+    body = body_bytes(junction)
+    return ENVELOPE.pack(MAGIC, VERSION, len(body), zlib.crc32(body)) + body
+
+
+def body_bytes(junction: Junction) -> bytes:
+    """elmopp_junction_t as the firmware's compiler lays it out; unused rows are zero."""
+    return b"".join(
+        [
+            _head(junction),
+            _rows([_name(name) for name in junction.approaches], APPROACH_MAX, NAME_SIZE),
+            _rows([_movement(item) for item in junction.movements], MOVEMENT_MAX, _MOVEMENT.size),
+            _rows([_group(item) for item in junction.groups], GROUP_MAX, _GROUP.size),
+            _rows([_word(mask) for mask in junction.conflict], GROUP_MAX, WORD_SIZE),
+            _rows([_word(mask) for mask in junction.stages], STAGE_MAX, WORD_SIZE),
+            _rows([_intergreen_row(row) for row in junction.intergreen_ds], GROUP_MAX, GROUP_MAX * WORD_SIZE),
+        ]
+    )
+
+
+def _rows(rows: list[bytes], count: int, row_size: int) -> bytes:
+    """The rows of an array, the unused ones zero."""
+    return b"".join(rows).ljust(count * row_size, b"\0")
+
+
+def _name(name: str) -> bytes:
+    return name.encode("ascii").ljust(NAME_SIZE, b"\0")
+
+
+def _word(number: int) -> bytes:
+    return number.to_bytes(WORD_SIZE, "little")
+
+
+def _intergreen_row(row: tuple[int, ...]) -> bytes:
+    return _rows([_word(time_ds) for time_ds in row], GROUP_MAX, WORD_SIZE)
+
+
+def _head(junction: Junction) -> bytes:
+    return _HEAD.pack(
+        junction.name.encode("ascii"),
+        len(junction.approaches),
+        len(junction.movements),
+        len(junction.groups),
+        len(junction.stages),
+        junction.simulation_only,
+        DISCHARGES.index(junction.discharge),
+        CHOOSERS.index(junction.chooser),
+        FORECASTS.index(junction.forecast),
+        junction.hold_min_s,
+        junction.hold_max_s,
+        junction.reach_m,
+        junction.free_flow_m_per_s,
+    )
+
+
+def _movement(movement: Movement) -> bytes:
+    return _MOVEMENT.pack(
+        _name(movement.name),
+        movement.capacity_veh,
+        movement.saturation_veh_per_s,
+        movement.startup_ds,
+        movement.groups,
+        movement.approach,
+        movement.lanes,
+    )
+
+
+def _group(group: Group) -> bytes:
+    return _GROUP.pack(_name(group.name), group.amber_ds, group.red_amber_ds, group.min_green_ds, group.max_green_ds)
