@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "bench.hpp"
+
+#include "autoregression.hpp"
+#include "error.hpp"
+#include "jobs.hpp"
+#include "trial.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+
+namespace elmopp {
+namespace {
+
+constexpr std::size_t rounds = 7;
+constexpr std::size_t seconds = simulated_points;
+constexpr double vehicles = 800.0;
+constexpr std::size_t speedup_trials = 24;
+
+double elapsed_s(const std::function<void()> &work) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+Demand bench_demand() {
+    const Series unit = unit_inflow(draw_trajectory(Integrator::rk4, 1, 0, 4), Mapping::abs, 4);
+    std::vector<elmopp_ar8_t> ar8;
+    for (const auto &series : unit) {
+        ar8.push_back(fit_ar8(series));
+    }
+    return make_demand(unit, vehicles, training_points, ar8, true, seconds);
+}
+
+/// Two cores against one on the same trials, one after the other in each round so that both see the same machine.
+double speedup_of_two(const Scenario &scenario, const Demand &demand) {
+    const ChooserSpec chooser = parse_chooser("cumulative:ar8");
+    const auto trials = [&](unsigned jobs) {
+        run_jobs(speedup_trials, jobs, [&](std::size_t) { (void)run_trial(scenario, chooser, demand, seconds, {}); },
+                 {});
+    };
+    std::vector<double> ratios;
+    for (std::size_t round = 0; round < rounds; ++round) {
+        const double one = elapsed_s([&] { trials(1); });
+        ratios.push_back(one / elapsed_s([&] { trials(2); }));
+    }
+    return median(ratios);
+}
+
+} // namespace
+
+void run_bench(const std::optional<std::filesystem::path> &json) {
+    std::ofstream out;
+    if (json) {
+        out.open(*json);
+        if (!out) {
+            throw BadRequest("--json " + json->string() +
+                             ": cannot be written; right would be a file in a folder in which files can be made");
+        }
+    }
+    const Scenario scenario = make_scenario(find_profile("paper"), nullptr);
+    const Demand demand = bench_demand();
+    const auto choosers = paper_table();
+    std::vector<std::vector<double>> rates(choosers.size());
+    for (std::size_t round = 0; round < rounds; ++round) {
+        for (std::size_t i = 0; i < choosers.size(); ++i) {
+            rates[i].push_back(static_cast<double>(seconds) /
+                               elapsed_s([&] { (void)run_trial(scenario, choosers[i], demand, seconds, {}); }));
+        }
+    }
+    nlohmann::ordered_json result;
+    for (std::size_t i = 0; i < choosers.size(); ++i) {
+        const std::string name =
+            choosers[i].label() + (choosers[i].forecast == "none" ? "" : ":" + choosers[i].forecast);
+        result["ticks_per_s." + name] = std::round(median(rates[i]));
+        std::printf("%-24s %10.0f ticks/s\n", name.c_str(), median(rates[i]));
+    }
+    result["jobs2_speedup"] = speedup_of_two(scenario, demand);
+    std::printf("%-24s %10.2f\n", "speed-up by two jobs", result["jobs2_speedup"].get<double>());
+    if (json) {
+        out << result.dump(1) << "\n";
+        if (!out.flush()) {
+            throw Failure(json->string() + ": could not be written");
+        }
+    }
+}
+
+} // namespace elmopp

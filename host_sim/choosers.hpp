@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Choosers by name: what `--choosers` and `--chooser` accept, and what they build.
+///
+///     NAME[@OPTION[=VALUE]...][:FORECAST]      cumulative:ar8   naive@frozen   itlc@ready=60   pressure@h=2@max=90
+
+#pragma once
+
+#include "core.hpp"
+#include "rivals.hpp"
+#include "scenario.hpp"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace elmopp {
+
+/// A parsed chooser. `options` maps a name to its value, empty for a switch.
+struct ChooserSpec {
+    std::string name;
+    std::map<std::string, std::string> options;
+    std::string forecast = "none";
+
+    [[nodiscard]] std::string label() const; ///< NAME[@OPTION...] without the forecast: the column `chooser`
+    [[nodiscard]] bool operator==(const ChooserSpec &other) const;
+};
+
+struct ChooserKind {
+    std::string name;
+    std::string what;                 ///< one line for list
+    bool rival;                       ///< not part of the firmware
+    bool forecasts;                   ///< reads a forecast
+    std::vector<std::string> options; ///< "NAME" for a switch, "NAME=DEFAULT" otherwise
+};
+
+const std::vector<ChooserKind> &chooser_kinds();
+const std::vector<std::string> &forecast_names();
+
+/// Throws BadRequest naming the chooser, option or forecast that is unknown, and those there are.
+ChooserSpec parse_chooser(const std::string &text);
+
+/// A comma-separated list of the above; `all` is every chooser with every forecast that it reads.
+std::vector<ChooserSpec> parse_choosers(const std::string &text);
+
+/// The rows of the paper's table, as far as built.
+std::vector<ChooserSpec> paper_table();
+
+/// The site's own chooser and forecast.
+ChooserSpec site_chooser(const elmopp_junction_t &junction);
+
+/// ELMOPP_FORECAST_* of a name; `oracle` counts as none, its rows come from outside.
+std::uint8_t forecast_kind(const std::string &name);
+
+/// A chooser with its state. Not movable: the core's pointer leads into it.
+struct Plugged {
+    std::variant<elmopp_urgency_t, elmopp_pressure_t, Itlc, Oaf, Fixed> state;
+    elmopp_chooser_t chooser{};
+};
+
+/// Builds it for a scenario: the window comes from the site or the profile unless the options say otherwise.
+std::unique_ptr<Plugged> make_chooser(const ChooserSpec &spec, const Scenario &scenario);
+
+} // namespace elmopp

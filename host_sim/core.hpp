@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// The C core, seen from C++.
+
+#pragma once
+
+extern "C" {
+#include "elmopp/chooser.h"
+#include "elmopp/controller.h"
+#include "elmopp/forecast.h"
+#include "elmopp/junction.h"
+#include "elmopp/plan.h"
+#include "elmopp/pressure.h"
+#include "elmopp/site.h"
+#include "elmopp/urgency.h"
+}

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "experiment.hpp"
+
+#include "autoregression.hpp"
+#include "claims.hpp"
+#include "error.hpp"
+#include "jobs.hpp"
+#include "lyapunov.hpp"
+#include "results.hpp"
+#include "sites.hpp"
+#include "trial.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <map>
+#include <system_error>
+
+namespace elmopp {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t seconds = simulated_points;
+constexpr std::size_t paper_approaches = 4;
+constexpr std::size_t lyapunov_steps = 400000;
+
+/// One trajectory, ready for every number of vehicles: mapped, normalised, its AR(8) fitted.
+struct Source {
+    Series unit;
+    std::vector<elmopp_ar8_t> ar8;
+    unsigned random_vehicles = 0;
+};
+
+Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, std::uint64_t trial) {
+    const Trajectory trajectory = draw_trajectory(integrator, seed, trial, paper_approaches);
+    Source source{unit_inflow(trajectory, mapping, paper_approaches), {}, trajectory.random_vehicles};
+    for (const auto &series : source.unit) {
+        source.ar8.push_back(fit_ar8(series));
+    }
+    return source;
+}
+
+/// One row to be: everything that distinguishes a trial.
+struct Cell {
+    std::size_t scenario;
+    ChooserSpec chooser;
+    unsigned vehicles; ///< 0: the trial's random number
+    std::uint64_t trial;
+};
+
+/// Cells of one kind: choosers on one profile.
+struct Block {
+    std::string profile;
+    std::vector<ChooserSpec> choosers;
+};
+
+/// What stands beside the paper's table: each rival's sweep, the profile of the printed figure and the literal
+/// algorithm.
+std::vector<Block> beside_blocks() {
+    const auto sweeps =
+        parse_choosers("pressure@h=1,pressure@h=2,pressure@h=5,itlc@ready=5,itlc@ready=10,itlc@ready=20,itlc@ready=60,"
+                       "itlc@ready=unlimited,oaf@platoon=2,oaf@platoon=5,oaf@platoon=20,oaf@platoon=40,fixed@green=10,"
+                       "fixed@green=15,fixed@green=30,fixed@green=45");
+    return {{"paper", sweeps},
+            {"saturation", sweeps},
+            {"figure", parse_choosers("naive,cumulative:none,cumulative:ar8,cumulative:oracle,itlc,oaf")},
+            {"literal", parse_choosers("naive,cumulative:none")}};
+}
+
+class Progress {
+  public:
+    explicit Progress(std::size_t total) : total_(total), shown_(isatty(STDERR_FILENO) != 0) {}
+    void operator()(std::size_t done) {
+        const std::size_t percent = 100 * done / total_;
+        if (shown_ && percent != last_) {
+            last_ = percent;
+            std::cerr << "\r" << percent << " % of " << total_ << " trials" << (done == total_ ? "\n" : "")
+                      << std::flush;
+        }
+    }
+
+  private:
+    std::size_t total_;
+    std::size_t last_ = 101;
+    bool shown_;
+};
+
+class Experiment {
+  public:
+    explicit Experiment(const ExperimentRequest &request) : request_(request) {
+        std::vector<Block> blocks;
+        for (const auto &profile : request.profiles) {
+            blocks.push_back({profile, request.choosers});
+        }
+        add(blocks);
+        main_cells_ = cells_.size();
+        if (request.beside) {
+            add(beside_blocks());
+        }
+    }
+
+    void run() {
+        make_sources();
+        rows_.resize(cells_.size());
+        Progress progress(cells_.size());
+        run_jobs(
+            cells_.size(), request_.jobs, [this](std::size_t i) { rows_[i] = run_cell(cells_[i]); },
+            std::ref(progress));
+    }
+
+    [[nodiscard]] std::vector<Row> main_rows() const {
+        return {rows_.begin(), rows_.begin() + static_cast<std::ptrdiff_t>(main_cells_)};
+    }
+    [[nodiscard]] std::vector<Row> beside_rows() const {
+        return {rows_.begin() + static_cast<std::ptrdiff_t>(main_cells_), rows_.end()};
+    }
+
+  private:
+    void add(const std::vector<Block> &blocks) {
+        const auto vehicles = request_.vehicles.empty() ? std::vector<unsigned>{0} : request_.vehicles;
+        for (const auto &block : blocks) {
+            scenarios_.push_back(make_scenario(find_profile(block.profile), nullptr, request_.split));
+            for (const auto &chooser : block.choosers) {
+                (void)make_chooser(chooser, scenarios_.back()); // a wrong option ends here, before anything runs
+                for (const unsigned count : vehicles) {
+                    for (std::uint64_t trial = 0; trial < request_.trials; ++trial) {
+                        cells_.push_back({scenarios_.size() - 1, chooser, count, trial});
+                    }
+                }
+            }
+        }
+    }
+
+    [[nodiscard]] Integrator integrator_of(const Scenario &scenario) const {
+        return request_.integrator.value_or(scenario.profile.integrator);
+    }
+
+    void make_sources() {
+        for (const auto &scenario : scenarios_) {
+            sources_[integrator_of(scenario)].resize(request_.trials);
+        }
+        for (auto &[integrator, sources] : sources_) {
+            const auto make = [&, which = integrator, &list = sources](std::size_t trial) {
+                list[trial] = make_source(which, request_.mapping, request_.seed, trial);
+            };
+            run_jobs(sources.size(), request_.jobs, make, {});
+        }
+    }
+
+    [[nodiscard]] Row run_cell(const Cell &cell) const {
+        const Scenario &scenario = scenarios_[cell.scenario];
+        const Source &source = sources_.at(integrator_of(scenario))[cell.trial];
+        const unsigned vehicles = cell.vehicles == 0 ? source.random_vehicles : cell.vehicles;
+        const double each = vehicles_per_approach(scenario.profile.scope, vehicles, paper_approaches);
+        const Demand demand = make_demand(source.unit, each, training_points, source.ar8, true, seconds);
+        return {scenario.profile.name,
+                cell.chooser.label(),
+                cell.chooser.forecast,
+                vehicles,
+                cell.trial,
+                request_.seed,
+                run_trial(scenario, cell.chooser, demand, seconds, {})};
+    }
+
+    const ExperimentRequest &request_;
+    std::vector<Scenario> scenarios_;
+    std::vector<Cell> cells_;
+    std::size_t main_cells_ = 0;
+    std::map<Integrator, std::vector<Source>> sources_;
+    std::vector<Row> rows_;
+};
+
+/// A folder beside the wanted one that takes its place when all is well and goes when not.
+class OutputFolder {
+  public:
+    explicit OutputFolder(const fs::path &wanted) : wanted_(fs::absolute(wanted).lexically_normal()) {
+        if (!wanted_.has_filename()) {
+            wanted_ = wanted_.parent_path();
+        }
+        std::error_code error;
+        fs::create_directories(wanted_.parent_path(), error);
+        std::string pattern = wanted_.string() + ".XXXXXX";
+        const bool blocked = fs::exists(wanted_) && !fs::is_directory(wanted_);
+        if (error || blocked || mkdtemp(pattern.data()) == nullptr) {
+            throw BadRequest("--out " + wanted.string() +
+                             ": cannot be written; right would be a folder in which files can be made");
+        }
+        building_ = pattern;
+        fs::permissions(building_, fs::perms(0755));
+    }
+    ~OutputFolder() {
+        std::error_code ignored;
+        fs::remove_all(building_, ignored);
+    }
+    OutputFolder(const OutputFolder &) = delete;
+    OutputFolder &operator=(const OutputFolder &) = delete;
+    OutputFolder(OutputFolder &&) = delete;
+    OutputFolder &operator=(OutputFolder &&) = delete;
+
+    [[nodiscard]] const fs::path &path() const {
+        return building_;
+    }
+
+    /// Moves each file to its place; files of other names that are already there stay.
+    void commit() const {
+        fs::create_directories(wanted_);
+        for (const auto &entry : fs::directory_iterator(building_)) {
+            fs::rename(entry.path(), wanted_ / entry.path().filename());
+        }
+    }
+
+  private:
+    fs::path wanted_;
+    fs::path building_;
+};
+
+Facts measure_facts(const ExperimentRequest &request) {
+    Facts facts;
+    const auto measure = [&facts](std::size_t which) {
+        auto &exponents = which == 0 ? facts.exponents_rk4 : facts.exponents_euler;
+        exponents = lyapunov_exponents(which == 0 ? Integrator::rk4 : Integrator::euler, lyapunov_steps);
+    };
+    run_jobs(2, request.jobs, measure, {});
+    if (request.count_scores) {
+        facts.count_error = read_count_error(*request.count_scores);
+    }
+    return facts;
+}
+
+void draw(const fs::path &folder) {
+    const ToolResult result = run_tool("plot", {"--results", folder.string()});
+    if (result.exit_code != 0) {
+        throw Failure("the figures could not be drawn (--no-figures leaves them out): " + result.last_line);
+    }
+}
+
+void print_claims(const std::vector<Claim> &claims) {
+    for (const auto &claim : claims) {
+        std::printf("%-16s %-20s %s\n", to_string(claim.verdict).c_str(), claim.id.c_str(), claim.measured.c_str());
+    }
+}
+
+} // namespace
+
+void run_experiment(const ExperimentRequest &request) {
+    Facts facts = measure_facts(request);
+    Experiment experiment(request);
+    const OutputFolder folder(request.out);
+    experiment.run();
+    const auto rows = experiment.main_rows();
+    const auto beside = experiment.beside_rows();
+    const auto claims = judge(rows, beside, facts);
+    write_trials(folder.path() / "trials.csv", rows);
+    write_summary(folder.path() / "summary.json", rows);
+    write_pairs(folder.path() / "pairs.csv", rows);
+    write_claims(folder.path() / "claims.json", claims);
+    if (request.beside) {
+        write_trials(folder.path() / "beside.csv", beside);
+    }
+    if (request.figures) {
+        draw(folder.path());
+    }
+    folder.commit();
+    print_claims(claims);
+    std::cout << "\nWritten to " << request.out.string() << ": trials.csv summary.json pairs.csv claims.json"
+              << (request.beside ? " beside.csv" : "")
+              << (request.figures ? " throughput.png delay.png longest_red.png (and .svg)" : "") << "\n";
+}
+
+} // namespace elmopp

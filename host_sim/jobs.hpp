@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Jobs: independent work on several cores with results in fixed places, so that the number of cores changes no byte.
+
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace elmopp {
+
+/// Calls work(0) .. work(count - 1), each once, on `jobs` threads. The first exception stops the rest and is thrown
+/// again. `done` (may be empty) is told how many are finished, from one thread at a time.
+void run_jobs(std::size_t count, unsigned jobs, const std::function<void(std::size_t)> &work,
+              const std::function<void(std::size_t)> &done);
+
+} // namespace elmopp

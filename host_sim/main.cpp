@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// host_sim: the command line. Turns arguments into requests and exceptions into exit codes; it computes nothing.
+
+#include "bench.hpp"
+#include "choosers.hpp"
+#include "csv.hpp"
+#include "error.hpp"
+#include "experiment.hpp"
+#include "run.hpp"
+#include "scenario.hpp"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <thread>
+
+namespace elmopp {
+namespace {
+
+constexpr int exit_failed = 1;
+constexpr int exit_bad_request = 2;
+constexpr double most_vehicles = 100000.0;
+constexpr double most_trials = 100000.0;
+constexpr double most_jobs = 1024.0;
+constexpr double largest_seed = 4294967295.0; ///< the seed is the upper half of the generator's state
+
+/// A whole number in a range. Throws BadRequest naming option and value.
+std::uint64_t whole(const std::string &option, const std::string &text, double lowest, double highest) {
+    double value = 0.0;
+    if (!parse_number(text, value) || value != std::floor(value) || value < lowest || value > highest) {
+        throw BadRequest(option + " \"" + text + "\": right would be a whole number from " + format_number(lowest, 12) +
+                         " to " + format_number(highest, 12));
+    }
+    return static_cast<std::uint64_t>(value);
+}
+
+unsigned vehicles_of(const std::string &text) {
+    return static_cast<unsigned>(whole("--vehicles", text, 1, most_vehicles));
+}
+
+std::vector<double> split_of(const std::string &text) {
+    std::vector<double> shares;
+    double sum = 0.0;
+    for (const auto &word : text.empty() ? std::vector<std::string>() : split(text, ',')) {
+        double share = 0.0;
+        if (!parse_number(word, share) || share < 0.0) {
+            throw BadRequest("--split \"" + text + "\": \"" + word +
+                             "\" is no share; right would be numbers of 0 or more, such as 0.2,0.6,0.2");
+        }
+        shares.push_back(share);
+        sum += share;
+    }
+    if (!shares.empty() && sum <= 0.0) {
+        throw BadRequest("--split \"" + text + "\": the shares add up to 0; right would be at least one above 0");
+    }
+    return shares;
+}
+
+/// One of the words, as the value that belongs to it.
+template <typename Value>
+Value one_of(const std::string &option, const std::string &text,
+             const std::vector<std::pair<std::string, Value>> &words) {
+    std::vector<std::string> names;
+    for (const auto &[name, value] : words) {
+        if (name == text) {
+            return value;
+        }
+        names.push_back(name);
+    }
+    throw BadRequest(option + " \"" + text + "\": right would be one of " + join(names, ", "));
+}
+
+Integrator integrator_of(const std::string &text) {
+    return one_of<Integrator>("--integrator", text, {{"rk4", Integrator::rk4}, {"euler", Integrator::euler}});
+}
+
+template <typename Value> std::optional<Value> given(const CLI::Option *option, const Value &value) {
+    return option->count() > 0 ? std::optional<Value>(value) : std::nullopt;
+}
+
+/// Every option as text: what it may be is said by our own messages, in one place.
+struct Texts {
+    std::string profile{"paper,saturation"};
+    std::string run_profile;
+    std::string choosers;
+    std::string chooser;
+    std::string vehicles;
+    std::string trials{"30"};
+    std::string trial{"0"};
+    std::string seed{"1"};
+    std::string jobs;
+    std::string out{"out/experiment"};
+    std::string count_scores;
+    std::string split;
+    std::string mapping{"abs"};
+    std::string integrator{"rk4"};
+    std::string scope{"per_inroad"};
+    std::string site;
+    std::string trace;
+    std::string seconds;
+    std::string link{"inproc"};
+    std::string log;
+    std::string summary;
+    std::string points{"10000"};
+    std::string csv;
+    std::string json;
+    bool full = false;
+    bool no_figures = false;
+    bool list_json = false;
+};
+
+Mapping mapping_of(const std::string &text) {
+    return one_of<Mapping>("--mapping", text, {{"abs", Mapping::abs}, {"shift", Mapping::shift}});
+}
+
+unsigned jobs_of(const std::string &text) {
+    return text.empty() ? std::max(1U, std::thread::hardware_concurrency())
+                        : static_cast<unsigned>(whole("--jobs", text, 1, most_jobs));
+}
+
+void add_traffic_options(CLI::App *command, Texts &texts) {
+    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->capture_default_str();
+    command->add_option("--mapping", texts.mapping, "How the states become traffic: abs or shift")
+        ->capture_default_str();
+    command->add_option("--split", texts.split, "Shares of an approach's movements, e.g. 0.2,0.6,0.2 (default: equal)");
+}
+
+void add_experiment(CLI::App &app, Texts &texts) {
+    auto *command = app.add_subcommand(
+        "experiment", "The paper's evaluation: every chooser on the same trials; table, figures, claims");
+    command->add_option("--profile", texts.profile, "Profiles, comma-separated (host_sim list)")->capture_default_str();
+    command->add_option(
+        "--choosers", texts.choosers,
+        "Choosers NAME[@OPTION=VALUE][:FORECAST], comma-separated, or all (default: the paper's table)");
+    command->add_option(
+        "--vehicles", texts.vehicles,
+        "Vehicles per approach, comma-separated, or random for 200..1000 (default: 200,400,600,800,1000)");
+    command->add_option("--trials", texts.trials, "Initial conditions for each number of vehicles")
+        ->capture_default_str();
+    command->add_option("--jobs", texts.jobs, "Trials at the same time (default: one a core); changes no result");
+    command->add_option("--out", texts.out, "Folder for the results")->capture_default_str();
+    command->add_option("--count-scores", texts.count_scores, "Scores of the camera, for the claim about counting");
+    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)");
+    command->add_flag("--no-figures", texts.no_figures, "Leave the figures out");
+    add_traffic_options(command, texts);
+    command->callback([command, integrator, &texts] {
+        ExperimentRequest request;
+        request.profiles = split(texts.profile, ',');
+        if (!texts.choosers.empty()) {
+            request.choosers = parse_choosers(texts.choosers);
+        }
+        if (texts.vehicles == "random") {
+            request.vehicles.clear();
+        } else if (!texts.vehicles.empty()) {
+            request.vehicles.clear();
+            for (const auto &word : split(texts.vehicles, ',')) {
+                request.vehicles.push_back(vehicles_of(word));
+            }
+        }
+        request.trials = whole("--trials", texts.trials, 1, most_trials);
+        request.seed = whole("--seed", texts.seed, 0, largest_seed);
+        request.jobs = jobs_of(texts.jobs);
+        request.out = texts.out;
+        request.split = split_of(texts.split);
+        request.mapping = mapping_of(texts.mapping);
+        request.integrator = given(integrator, integrator_of(texts.integrator));
+        if (!texts.count_scores.empty()) {
+            request.count_scores = texts.count_scores;
+        }
+        // A part of the table needs no comparison with the rest of the house.
+        request.beside = command->count("--profile") + command->count("--choosers") + command->count("--vehicles") == 0;
+        request.figures = !texts.no_figures;
+        run_experiment(request);
+    });
+}
+
+void add_run(CLI::App &app, Texts &texts) {
+    auto *command = app.add_subcommand("run", "One trial, with a decision log if asked for");
+    auto *profile = command->add_option("--profile", texts.run_profile,
+                                        "Inflow and discharge (default: paper; with --site alone saturation)");
+    auto *site =
+        command->add_option("--site", texts.site, "Junction, a .toml or .bin site file (default: the paper's)");
+    auto *chooser =
+        command->add_option("--chooser", texts.chooser, "NAME[@OPTION=VALUE][:FORECAST] (default: the site's)");
+    auto *vehicles = command->add_option("--vehicles", texts.vehicles, "Vehicles per approach (default: 800)");
+    command->add_option("--trial", texts.trial, "Which of the seed's initial conditions")->capture_default_str();
+    auto *trace = command->add_option(
+        "--trace", texts.trace, "Recorded traffic instead: CSV with t_s and a column an approach, vehicles per second");
+    auto *seconds = command->add_option("--seconds", texts.seconds, "Length (default: 2000, or the trace's)");
+    auto *log = command->add_option("--log", texts.log, "Decision log, JSON lines; - is stdout");
+    command->add_flag("--full", texts.full, "Queues, reds and departures in the log too");
+    auto *summary = command->add_option("--summary", texts.summary, "Metrics as JSON (default: stdout)");
+    command->add_option("--link", texts.link, "How core and traffic are joined: inproc")->capture_default_str();
+    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)");
+    add_traffic_options(command, texts);
+    command->callback([=, &texts] {
+        RunRequest request;
+        request.profile = given(profile, texts.run_profile);
+        request.site = given(site, std::filesystem::path(texts.site));
+        request.chooser = given(chooser, texts.chooser);
+        request.vehicles = vehicles->count() > 0 ? vehicles_of(texts.vehicles) : request.vehicles;
+        request.seed = whole("--seed", texts.seed, 0, largest_seed);
+        request.trial = whole("--trial", texts.trial, 0, largest_seed);
+        request.trace = given(trace, std::filesystem::path(texts.trace));
+        if (seconds->count() > 0) {
+            request.seconds = whole("--seconds", texts.seconds, 1, 1e7);
+        }
+        request.log = given(log, std::filesystem::path(texts.log));
+        request.full = texts.full;
+        request.summary = given(summary, std::filesystem::path(texts.summary));
+        request.split = split_of(texts.split);
+        request.mapping = mapping_of(texts.mapping);
+        request.integrator = given(integrator, integrator_of(texts.integrator));
+        (void)one_of<bool>("--link", texts.link, {{"inproc", true}});
+        run_once(request);
+    });
+}
+
+void add_inflow(CLI::App &app, Texts &texts) {
+    auto *command = app.add_subcommand("inflow", "The generated traffic of one trial as CSV");
+    command->add_option("--integrator", texts.integrator, "rk4 or euler")->capture_default_str();
+    command->add_option("--mapping", texts.mapping, "raw (states x,y,z,w), abs or shift (vehicles per second)")
+        ->capture_default_str();
+    command->add_option("--scope", texts.scope, "per_inroad (N to each approach) or total (N to all)")
+        ->capture_default_str();
+    auto *vehicles =
+        command->add_option("--vehicles", texts.vehicles, "Vehicles in the simulated seconds (default: 800)");
+    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->capture_default_str();
+    command->add_option("--trial", texts.trial, "Which of the seed's initial conditions")->capture_default_str();
+    command->add_option("--points", texts.points, "Points from 0; 0..7999 train the forecasts, second 0 is point 8000")
+        ->capture_default_str();
+    command->add_option("--csv", texts.csv, "File to write; - is stdout")->required();
+    command->callback([vehicles, &texts] {
+        using OptionalMapping = std::optional<Mapping>;
+        const auto mapping = one_of<OptionalMapping>(
+            "--mapping", texts.mapping, {{"raw", std::nullopt}, {"abs", Mapping::abs}, {"shift", Mapping::shift}});
+        const auto scope =
+            one_of<Scope>("--scope", texts.scope, {{"per_inroad", Scope::per_inroad}, {"total", Scope::total}});
+        write_inflow(integrator_of(texts.integrator), mapping, scope,
+                     vehicles->count() > 0 ? vehicles_of(texts.vehicles) : 800,
+                     whole("--seed", texts.seed, 0, largest_seed), whole("--trial", texts.trial, 0, largest_seed),
+                     whole("--points", texts.points, 1, trajectory_points), texts.csv);
+    });
+}
+
+void add_bench(CLI::App &app, Texts &texts) {
+    auto *command =
+        app.add_subcommand("bench", "Simulated seconds a second, per chooser, and the speed-up of two jobs");
+    auto *json = command->add_option("--json", texts.json, "File for the figures");
+    command->callback([json, &texts] { run_bench(given(json, std::filesystem::path(texts.json))); });
+}
+
+nlohmann::ordered_json built() {
+    nlohmann::ordered_json list{{"profiles", nlohmann::ordered_json::array()},
+                                {"choosers", nlohmann::ordered_json::array()},
+                                {"forecasts", forecast_names()},
+                                {"links", {"inproc"}}};
+    for (const auto &profile : profiles()) {
+        list["profiles"].push_back({{"name", profile.name}, {"what", profile.what}});
+    }
+    for (const auto &kind : chooser_kinds()) {
+        list["choosers"].push_back({{"name", kind.name},
+                                    {"what", kind.what},
+                                    {"rival", kind.rival},
+                                    {"forecasts", kind.forecasts},
+                                    {"options", kind.options}});
+    }
+    return list;
+}
+
+void print_list() {
+    std::printf("Profiles\n");
+    for (const auto &profile : profiles()) {
+        std::printf("  %-12s %s\n", profile.name.c_str(), profile.what.c_str());
+    }
+    std::printf("\nChoosers: NAME[@OPTION[=VALUE]...][:FORECAST]\n");
+    for (const auto &kind : chooser_kinds()) {
+        std::printf("  %-12s %s%s\n", kind.name.c_str(), kind.what.c_str(), kind.rival ? " (rival)" : "");
+        std::printf("  %-12s   options: %s\n", "", join(kind.options, ", ").c_str());
+    }
+    std::printf("\nForecasts, read by cumulative: %s\n", join(forecast_names(), ", ").c_str());
+}
+
+void add_list(CLI::App &app, Texts &texts) {
+    auto *command = app.add_subcommand("list", "What is built: profiles, choosers with their options, forecasts");
+    command->add_flag("--json", texts.list_json, "As JSON");
+    command->callback([&texts] {
+        if (texts.list_json) {
+            std::cout << built().dump(1) << "\n";
+        } else {
+            print_list();
+        }
+    });
+}
+
+int run(int argc, char **argv) {
+    CLI::App app{"host_sim: replays hyperchaotic traffic at one junction and lets the firmware's own core, or a rival, "
+                 "run its signals."};
+    app.footer("Exit codes: 0 done, 1 it ran and a check failed, 2 the request cannot be run (one line says why).\n"
+               "Start with: host_sim experiment        Then look at: out/experiment/claims.json, "
+               "out/experiment/throughput.png");
+    app.require_subcommand(1);
+    app.get_formatter()->column_width(28);
+    Texts texts;
+    add_experiment(app, texts);
+    add_run(app, texts);
+    add_inflow(app, texts);
+    add_bench(app, texts);
+    add_list(app, texts);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success &success) {
+        return app.exit(success);
+    } catch (const CLI::ParseError &error) {
+        throw BadRequest(std::string(error.what()) + " (host_sim --help, host_sim COMMAND --help)");
+    }
+    return 0;
+}
+
+/// One line, whatever the message held.
+void complain(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    std::cerr << "host_sim: " << text << "\n";
+}
+
+} // namespace
+} // namespace elmopp
+
+int main(int argc, char **argv) {
+    try {
+        return elmopp::run(argc, argv);
+    } catch (const elmopp::BadRequest &error) {
+        elmopp::complain(error.what());
+        return elmopp::exit_bad_request;
+    } catch (const std::exception &error) {
+        elmopp::complain(error.what());
+        return elmopp::exit_failed;
+    }
+}

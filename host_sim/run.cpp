@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "run.hpp"
+
+#include "autoregression.hpp"
+#include "csv.hpp"
+#include "error.hpp"
+#include "results.hpp"
+#include "sites.hpp"
+#include "trial.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <system_error>
+
+namespace elmopp {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int log_digits = 9;
+constexpr std::size_t aspect_digits = ELMOPP_GROUP_MAX;
+
+/// A file that takes its name when it is whole; "-" is stdout.
+class WholeFile {
+  public:
+    WholeFile(const std::string &option, const fs::path &file) : file_(file), building_(file.string() + ".part") {
+        if (file_ == "-") {
+            return;
+        }
+        stream_.open(building_);
+        if (!stream_ || fs::is_directory(file_)) {
+            remove();
+            throw BadRequest(option + " " + file.string() +
+                             ": cannot be written; right would be a file in a folder in which files can be made");
+        }
+    }
+    ~WholeFile() {
+        remove();
+    }
+    WholeFile(const WholeFile &) = delete;
+    WholeFile &operator=(const WholeFile &) = delete;
+    WholeFile(WholeFile &&) = delete;
+    WholeFile &operator=(WholeFile &&) = delete;
+
+    std::ostream &out() {
+        return file_ == "-" ? std::cout : stream_;
+    }
+
+    void commit() {
+        if (!out().flush()) {
+            throw Failure(file_.string() + ": could not be written");
+        }
+        if (file_ != "-") {
+            stream_.close();
+            fs::rename(building_, file_);
+        }
+    }
+
+  private:
+    void remove() const {
+        std::error_code ignored;
+        fs::remove(building_, ignored);
+    }
+
+    fs::path file_;
+    fs::path building_;
+    std::ofstream stream_;
+};
+
+template <typename Values> std::string list_of(const Values &values, std::size_t count) {
+    std::string text = "[";
+    for (std::size_t i = 0; i < count; ++i) {
+        text += (i == 0 ? "" : ",") + format_number(static_cast<double>(values[i]), log_digits);
+    }
+    return text + "]";
+}
+
+/// One digit a signal group: 0 red, 1 red-amber, 2 green, 3 amber; groups that the site does not have show 0.
+std::string aspects_of(const Second &second) {
+    std::string text(aspect_digits, '0');
+    const auto &plan = second.controller.plan;
+    for (std::size_t g = 0; g < plan.junction->group_count; ++g) {
+        text[g] = static_cast<char>('0' + plan.group[g].aspect);
+    }
+    return text;
+}
+
+void write_line(std::ostream &out, const Second &second, bool full) {
+    const elmopp_junction_t &junction = *second.controller.junction;
+    const std::size_t movements = junction.movement_count;
+    out << "{\"t_s\":" << second.t_s << ",\"stage\":" << static_cast<unsigned>(second.stage) << ",\"aspects\":\""
+        << aspects_of(second) << "\",\"present\":" << list_of(second.present_veh, movements)
+        << ",\"arrived\":" << list_of(second.arrived_veh, movements)
+        << ",\"urgency\":" << list_of(second.controller.score, junction.stage_count)
+        << ",\"forecast\":" << list_of(second.controller.foreseen_sum_veh, junction.approach_count) << ",\"fault\":0";
+    if (full) {
+        out << ",\"queue_veh\":" << list_of(second.traffic.queue_veh(), movements)
+            << ",\"outside_veh\":" << list_of(second.traffic.outside_veh(), movements)
+            << ",\"red_s\":" << list_of(second.red_s, movements)
+            << ",\"out_veh\":" << list_of(second.traffic.left_veh(), movements);
+    }
+    out << "}\n";
+}
+
+nlohmann::ordered_json summary_of(const Scenario &scenario, const ChooserSpec &chooser, const RunRequest &request,
+                                  std::size_t seconds, const Metrics &metrics) {
+    nlohmann::ordered_json summary{{"profile", scenario.profile.name}, {"site", scenario.junction.name},
+                                   {"chooser", chooser.label()},       {"forecast", chooser.forecast},
+                                   {"vehicles", request.vehicles},     {"seed", request.seed},
+                                   {"trial", request.trial},           {"seconds", seconds}};
+    for (const char *const name :
+         {"throughput_veh_per_s", "served_share", "mean_delay_s", "longest_red_s", "switches",
+          "figure_throughput_veh_per_s", "vehicles_in", "vehicles_out", "vehicles_queued", "vehicles_outside"}) {
+        summary[name] = metrics.*find_metric(name).value;
+    }
+    return summary;
+}
+
+Scenario scenario_of(const RunRequest &request) {
+    const Profile &profile = find_profile(request.profile.value_or(request.site ? "saturation" : "paper"));
+    if (!request.site) {
+        return make_scenario(profile, nullptr, request.split);
+    }
+    const elmopp_junction_t site = read_site(*request.site);
+    return make_scenario(profile, &site, request.split);
+}
+
+/// The generated inflow of one trial, with the regression fitted to its training points.
+struct Generated {
+    Series unit;
+    std::vector<elmopp_ar8_t> ar8;
+};
+
+Generated generate(const RunRequest &request, const Scenario &scenario) {
+    const std::size_t approaches = scenario.junction.approach_count;
+    const Integrator integrator = request.integrator.value_or(scenario.profile.integrator);
+    Generated generated{
+        unit_inflow(draw_trajectory(integrator, request.seed, request.trial, approaches), request.mapping, approaches),
+        {}};
+    for (const auto &series : generated.unit) {
+        generated.ar8.push_back(fit_ar8(series));
+    }
+    return generated;
+}
+
+std::size_t checked_seconds(const RunRequest &request, std::size_t available) {
+    const std::size_t seconds = request.seconds.value_or(std::min(available, simulated_points));
+    if (seconds < 1 || seconds > available) {
+        throw BadRequest("--seconds " + std::to_string(seconds) + ": right would be 1 to " + std::to_string(available) +
+                         (request.trace ? ", the length of the trace" : ""));
+    }
+    return seconds;
+}
+
+} // namespace
+
+void run_once(const RunRequest &request) {
+    const Scenario scenario = scenario_of(request);
+    const ChooserSpec chooser = request.chooser ? parse_chooser(*request.chooser) : site_chooser(scenario.junction);
+    const Generated generated = generate(request, scenario);
+    const Series unit = request.trace ? read_trace(*request.trace, scenario.approach_names()) : generated.unit;
+    const std::size_t origin = request.trace ? 0 : training_points;
+    const std::size_t seconds = checked_seconds(request, request.trace ? unit[0].size() : simulated_points);
+    const double each =
+        request.trace ? 1.0 : vehicles_per_approach(scenario.profile.scope, request.vehicles, unit.size());
+    // A trace has no training points: the regression comes from the generated traffic, its demand scale from a running
+    // mean.
+    const Demand demand = make_demand(unit, each, origin, generated.ar8, !request.trace, seconds);
+    std::optional<WholeFile> log;
+    if (request.log) {
+        log.emplace("--log", *request.log);
+    }
+    WholeFile summary("--summary", request.summary.value_or(fs::path("-")));
+    Observer observer;
+    if (log) {
+        observer = [&](const Second &second) { write_line(log->out(), second, request.full); };
+    }
+    const Metrics metrics = run_trial(scenario, chooser, demand, seconds, observer);
+    summary.out() << summary_of(scenario, chooser, request, seconds, metrics).dump(1) << "\n";
+    if (log) {
+        log->commit();
+    }
+    summary.commit();
+}
+
+void write_inflow(Integrator integrator, std::optional<Mapping> mapping, Scope scope, unsigned vehicles,
+                  std::uint64_t seed, std::uint64_t trial, std::size_t points, const fs::path &file) {
+    constexpr std::size_t approaches = 4;
+    constexpr int exact = 17; // every double comes back as it was
+    const Trajectory trajectory = draw_trajectory(integrator, seed, trial, approaches);
+    WholeFile csv("--csv", file);
+    csv.out() << (mapping ? "t_s,N,E,S,W" : "t,x,y,z,w") << "\n";
+    const Series unit = mapping ? unit_inflow(trajectory, *mapping, approaches) : Series();
+    const double each = vehicles_per_approach(scope, vehicles, approaches);
+    for (std::size_t t = 0; t < points; ++t) {
+        csv.out() << t;
+        for (std::size_t i = 0; i < approaches; ++i) {
+            csv.out() << ',' << format_number(mapping ? unit[i][t] * each : trajectory.parts[0][t][i], exact);
+        }
+        csv.out() << "\n";
+    }
+    csv.commit();
+}
+
+} // namespace elmopp

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Scenario: which junction stands under which profile of inflow and discharge.
+///
+/// The profile sets inflow and discharge, the site the junction (docs/algorithm.md, section Profiles).
+
+#pragma once
+
+#include "core.hpp"
+#include "inflow.hpp"
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace elmopp {
+
+struct Profile {
+    std::string name;
+    std::string what; ///< one line for --help and list
+    Integrator integrator;
+    Scope scope;
+    int discharge;                                       ///< ELMOPP_DISCHARGE_*
+    double initial_load;                                 ///< of every movement at second 0
+    std::optional<std::pair<unsigned, unsigned>> hold_s; ///< replaces the site's window
+    bool literal;                                        ///< Algorithm 1 as printed, for the choosers of the paper
+};
+
+/// All profiles, in the order of the documentation.
+const std::vector<Profile> &profiles();
+
+/// Throws BadRequest naming the value and the profiles there are.
+const Profile &find_profile(const std::string &name);
+
+struct Scenario {
+    Profile profile;
+    elmopp_junction_t junction;       ///< the site with the profile's discharge and window
+    std::vector<double> capacity_veh; ///< [movement], in double
+    std::vector<double> share;        ///< [movement] of its approach's inflow
+
+    [[nodiscard]] std::vector<std::string> approach_names() const;
+};
+
+/// `site` null: the paper's own. `split`: shares of an approach's movements in site order, empty for equal ones.
+Scenario make_scenario(const Profile &profile, const elmopp_junction_t *site, const std::vector<double> &split = {});
+
+} // namespace elmopp

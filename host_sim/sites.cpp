@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "sites.hpp"
+
+#include "error.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <vector>
+
+namespace elmopp {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::uint8_t> read_bytes(const fs::path &file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) {
+        throw BadRequest("--site " + file.string() + ": cannot be read; right would be a .toml or .bin site file");
+    }
+    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+elmopp_junction_t load_image(const fs::path &file) {
+    const auto bytes = read_bytes(file);
+    elmopp_junction_t junction{};
+    const auto verdict = elmopp_site_load(bytes.data(), static_cast<std::uint32_t>(bytes.size()), &junction);
+    if (verdict.fault != ELMOPP_SITE_OK) {
+        throw BadRequest("--site " + file.string() + ": " + describe(verdict, junction) +
+                         "; right would be an image made by tools/site");
+    }
+    return junction;
+}
+
+/// A folder of our own that goes when it is done with.
+class TemporaryFolder {
+  public:
+    TemporaryFolder() {
+        std::string pattern = (fs::temp_directory_path() / "elmopp-site-XXXXXX").string();
+        if (mkdtemp(pattern.data()) == nullptr) {
+            throw Failure("no temporary folder in " + fs::temp_directory_path().string());
+        }
+        path_ = pattern;
+    }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    TemporaryFolder(const TemporaryFolder &) = delete;
+    TemporaryFolder &operator=(const TemporaryFolder &) = delete;
+    TemporaryFolder(TemporaryFolder &&) = delete;
+    TemporaryFolder &operator=(TemporaryFolder &&) = delete;
+    [[nodiscard]] const fs::path &path() const {
+        return path_;
+    }
+
+  private:
+    fs::path path_;
+};
+
+} // namespace
+
+fs::path tools_folder() {
+    const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
+    for (const auto *const candidate : {"../../../tools", "../share/elmopp/tools"}) {
+        const fs::path folder = (program / candidate).lexically_normal();
+        if (fs::exists(folder / "site")) {
+            return folder;
+        }
+    }
+    throw BadRequest("tools/site was not found near " + program.string() +
+                     "; right would be the build tree or an installed copy");
+}
+
+ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments) {
+    const TemporaryFolder folder;
+    const std::string said = (folder.path() / "said").string();
+    const std::string program = (tools_folder() / name).string();
+    std::vector<std::string> words{program};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char *> argv;
+    for (auto &word : words) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    const pid_t child = fork();
+    if (child == 0) {
+        if (std::freopen(said.c_str(), "w", stderr) != nullptr && std::freopen("/dev/null", "w", stdout) != nullptr) {
+            execv(program.c_str(), argv.data());
+        }
+        _exit(127);
+    }
+    int status = 0;
+    if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status)) {
+        throw Failure(program + " could not be run");
+    }
+    ToolResult result{WEXITSTATUS(status), {}};
+    std::ifstream stream(said);
+    for (std::string line; std::getline(stream, line);) {
+        result.last_line = line.empty() ? result.last_line : line;
+    }
+    return result;
+}
+
+elmopp_junction_t read_site(const fs::path &file) {
+    if (file.extension() == ".bin") {
+        return load_image(file);
+    }
+    if (file.extension() != ".toml") {
+        throw BadRequest("--site " + file.string() + ": right would be a .toml or .bin site file");
+    }
+    (void)read_bytes(file);
+    const TemporaryFolder folder;
+    const fs::path image = folder.path() / "site.bin";
+    const ToolResult result = run_tool("site", {file.string(), "--image", image.string()});
+    if (result.exit_code != 0) {
+        throw BadRequest(result.last_line.empty() ? "tools/site ended with " + std::to_string(result.exit_code)
+                                                  : result.last_line);
+    }
+    return load_image(image);
+}
+
+std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction_t &junction) {
+    const auto group = [&junction](unsigned index) {
+        return std::string(junction.group[index % ELMOPP_GROUP_MAX].name);
+    };
+    const auto pair = [&] { return group(verdict.first) + " and " + group(verdict.second); };
+    const std::string first = std::to_string(verdict.first);
+    switch (verdict.fault) {
+    case ELMOPP_SITE_OK:
+        return "a good site";
+    case ELMOPP_SITE_COUNTS:
+        return "a count is out of bounds or a code unknown";
+    case ELMOPP_SITE_NAME:
+        return "a name is empty or has no end";
+    case ELMOPP_SITE_HOLD:
+        return "the hold window is not 1 <= min <= max <= 600 s";
+    case ELMOPP_SITE_MOVEMENT:
+        return "movement " + first + " is none: capacity, saturation flow, lanes, approach or groups";
+    case ELMOPP_SITE_GROUP:
+        return "a time of group " + first + " breaks its rule";
+    case ELMOPP_SITE_CONFLICT:
+        return "groups " + pair() + " conflict one-sidedly or with themselves";
+    case ELMOPP_SITE_INTERGREEN:
+        return "the intergreen from " + pair() + " is too short or has no conflict";
+    case ELMOPP_SITE_STAGE:
+        return "stage " + first + " is empty or repeated";
+    case ELMOPP_SITE_STAGE_CONFLICT:
+        return "groups " + pair() + " conflict inside a stage";
+    case ELMOPP_SITE_STAGE_NOT_MAXIMAL:
+        return "a further group fits into stage " + first;
+    case ELMOPP_SITE_IMAGE_MAGIC:
+        return "does not begin with ELMS";
+    case ELMOPP_SITE_IMAGE_VERSION:
+        return "another version of the layout";
+    case ELMOPP_SITE_IMAGE_LENGTH:
+        return "cut or too long";
+    case ELMOPP_SITE_IMAGE_CRC:
+        break;
+    }
+    return "the checksum does not fit the bytes";
+}
+
+} // namespace elmopp

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// The sites: those built in, and those read from a file.
+
+#pragma once
+
+#include "core.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+extern "C" {
+extern const elmopp_junction_t elmopp_site_five_way;
+extern const elmopp_junction_t elmopp_site_four_way;
+extern const elmopp_junction_t elmopp_site_one_way;
+extern const elmopp_junction_t elmopp_site_paper;
+extern const elmopp_junction_t elmopp_site_three_way;
+}
+
+namespace elmopp {
+
+/// Folder of the Python tools that belong to this program: beside the build tree or in the installed share folder.
+std::filesystem::path tools_folder();
+
+struct ToolResult {
+    int exit_code;
+    std::string last_line; ///< of what it said on stderr
+};
+
+/// Runs a program of that folder to its end.
+ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments);
+
+/// Reads a site image (.bin) or, through tools/site, a site file (.toml). Throws BadRequest with what is wrong.
+elmopp_junction_t read_site(const std::filesystem::path &file);
+
+/// A verdict in words, naming the groups, movements or stages that it indexes.
+std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction_t &junction);
+
+} // namespace elmopp

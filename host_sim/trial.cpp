@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "trial.hpp"
+
+#include "autoregression.hpp"
+#include "error.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace elmopp {
+namespace {
+
+constexpr double metric_min_veh = 1.0; ///< a lane with less is nobody's red
+
+double sum(const std::vector<double> &values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+/// What each movement's lamps have meant to its drivers.
+class Signals {
+  public:
+    explicit Signals(const elmopp_junction_t &junction)
+        : junction_(junction), green_ds_(junction.movement_count), red_ds_(junction.movement_count),
+          flowing_ds_(junction.movement_count) {}
+
+    void begin_second() {
+        std::fill(flowing_ds_.begin(), flowing_ds_.end(), 0U);
+    }
+
+    void show(const elmopp_lamps_t &lamps) {
+        if (lamps.green != green_) {
+            green_ = lamps.green;
+            going_ = elmopp_junction_served(&junction_, green_);
+        }
+        for (std::size_t j = 0; j < green_ds_.size(); ++j) {
+            const bool goes = ((going_ >> j) & 1U) != 0;
+            // Green time before the start-up loss is over moves nobody.
+            flowing_ds_[j] += goes && green_ds_[j] >= junction_.movement[j].startup_ds ? 1U : 0U;
+            green_ds_[j] = goes ? green_ds_[j] + 1U : 0U;
+            red_ds_[j] = goes ? 0U : red_ds_[j] + 1U;
+        }
+    }
+
+    void end_second(std::vector<double> &flowing, std::vector<double> &red_s) const {
+        for (std::size_t j = 0; j < green_ds_.size(); ++j) {
+            flowing[j] = flowing_ds_[j] / 10.0;
+            red_s[j] = red_ds_[j] / 10.0;
+        }
+    }
+
+  private:
+    const elmopp_junction_t &junction_;
+    std::uint16_t green_ = 0;
+    std::uint32_t going_ = 0;
+    std::vector<unsigned> green_ds_;
+    std::vector<unsigned> red_ds_;
+    std::vector<unsigned> flowing_ds_;
+};
+
+/// Sums up what the metrics need.
+class Meter {
+  public:
+    void second(const Traffic &traffic, const std::vector<double> &red_s, elmopp_stage_t stage) {
+        const double out = sum(traffic.left_veh());
+        out_squared_ += out * out;
+        queued_veh_s_ += sum(traffic.queue_veh()) + sum(traffic.outside_veh());
+        for (std::size_t j = 0; j < red_s.size(); ++j) {
+            if (traffic.queue_veh()[j] >= metric_min_veh) {
+                longest_red_s_ = std::max(longest_red_s_, red_s[j]);
+            }
+        }
+        if (stage != ELMOPP_STAGE_NONE) {
+            switches_ += last_ != ELMOPP_STAGE_NONE && stage != last_ ? 1.0 : 0.0;
+            last_ = stage;
+        }
+    }
+
+    [[nodiscard]] Metrics result(const Traffic &traffic, std::size_t seconds) const {
+        Metrics metrics;
+        const double out = traffic.total_out_veh();
+        const double in = traffic.total_in_veh();
+        metrics.throughput_veh_per_s = out / static_cast<double>(seconds);
+        metrics.served_share = in > 0.0 ? out / in : 0.0;
+        metrics.mean_delay_s = in > 0.0 ? queued_veh_s_ / in : 0.0;
+        metrics.longest_red_s = longest_red_s_;
+        metrics.switches = switches_;
+        metrics.figure_throughput_veh_per_s = out > 0.0 ? out_squared_ / out : 0.0;
+        metrics.vehicles_in = in;
+        metrics.vehicles_out = out;
+        metrics.vehicles_queued = sum(traffic.queue_veh());
+        metrics.vehicles_outside = sum(traffic.outside_veh());
+        return metrics;
+    }
+
+  private:
+    double out_squared_ = 0.0;
+    double queued_veh_s_ = 0.0;
+    double longest_red_s_ = 0.0;
+    double switches_ = 0.0;
+    elmopp_stage_t last_ = ELMOPP_STAGE_NONE;
+};
+
+/// The controller with its counts.
+class Control {
+  public:
+    Control(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
+        : scenario_(scenario), demand_(demand), oracle_(spec.forecast == "oracle"),
+          plugged_(make_chooser(spec, scenario)), present_veh(scenario.capacity_veh.size()),
+          arrived_veh(scenario.capacity_veh.size()) {
+        const elmopp_forecast_config_t config{forecast_kind(spec.forecast), demand.ar8.data(),
+                                              demand.mean_veh_per_s.empty() ? nullptr : demand.mean_veh_per_s.data()};
+        elmopp_controller_init(&controller, &scenario.junction, &plugged_->chooser, &config);
+        const std::size_t known = std::min<std::size_t>(demand.origin, ELMOPP_FORECAST_MEAN_WINDOW_S);
+        for (std::size_t point = demand.origin - known; point < demand.origin; ++point) {
+            for (std::size_t j = 0; j < arrived_veh.size(); ++j) {
+                const double inflow = demand.veh_per_s[scenario.junction.movement[j].approach][point];
+                arrived_veh[j] = static_cast<float>(inflow * scenario.share[j]);
+            }
+            elmopp_controller_absorb(&controller, arrived_veh.data());
+        }
+    }
+
+    void decide(const Traffic &traffic, std::size_t t_s) {
+        for (std::size_t j = 0; j < present_veh.size(); ++j) {
+            present_veh[j] = static_cast<float>(traffic.queue_veh()[j]);
+            arrived_veh[j] = static_cast<float>(traffic.arrived_veh()[j]);
+        }
+        elmopp_foreseen_t foreseen{};
+        if (oracle_) {
+            foreseen.steps = ELMOPP_HORIZON_MAX;
+            for (std::size_t i = 0; i < scenario_.junction.approach_count; ++i) {
+                foreseen.row_veh[i] = &demand_.future_veh[i][t_s];
+            }
+        }
+        const elmopp_counts_t counts{present_veh.data(), arrived_veh.data()};
+        if (!elmopp_controller_step(&controller, &counts, oracle_ ? &foreseen : nullptr)) {
+            throw Failure("second " + std::to_string(t_s) + ": the controller refused the counts");
+        }
+    }
+
+  private:
+    const Scenario &scenario_;
+    const Demand &demand_;
+    bool oracle_;
+    std::unique_ptr<Plugged> plugged_;
+
+  public:
+    elmopp_controller_t controller{};
+    std::vector<float> present_veh;
+    std::vector<float> arrived_veh;
+};
+
+} // namespace
+
+Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
+                   const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds) {
+    Demand demand{unit, origin, ar8, {}, {}};
+    for (auto &series : demand.veh_per_s) {
+        for (double &value : series) {
+            value *= vehicles_per_approach;
+        }
+        if (known_mean) {
+            demand.mean_veh_per_s.push_back(static_cast<float>(training_mean(series)));
+        }
+        std::vector<float> future(seconds + ELMOPP_HORIZON_MAX, 0.0F);
+        for (std::size_t t = 0; t < future.size() && origin + t + 1 < series.size(); ++t) {
+            future[t] = static_cast<float>(series[origin + t + 1]);
+        }
+        demand.future_veh.push_back(std::move(future));
+    }
+    return demand;
+}
+
+Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const Demand &demand, std::size_t seconds,
+                  const Observer &observer) {
+    Traffic traffic(scenario);
+    Control control(scenario, chooser, demand);
+    Signals signals(scenario.junction);
+    Meter meter;
+    std::vector<double> inflow(scenario.junction.approach_count);
+    std::vector<double> flowing(scenario.capacity_veh.size());
+    std::vector<double> red_s(scenario.capacity_veh.size());
+    for (std::size_t t = 0; t < seconds; ++t) {
+        for (std::size_t i = 0; i < inflow.size(); ++i) {
+            inflow[i] = demand.veh_per_s[i][demand.origin + t];
+        }
+        traffic.arrive(inflow);
+        control.decide(traffic, t);
+        signals.begin_second();
+        elmopp_lamps_t lamps{};
+        for (unsigned tick = 0; tick < ELMOPP_LAMP_TICKS_PER_S; ++tick) {
+            lamps = elmopp_controller_lamp_tick(&control.controller);
+            signals.show(lamps);
+        }
+        signals.end_second(flowing, red_s);
+        traffic.leave(flowing);
+        traffic.check_conservation();
+        meter.second(traffic, red_s, control.controller.plan.stage);
+        if (observer) {
+            observer({t, control.controller.plan.stage, lamps, control.present_veh, control.arrived_veh,
+                      control.controller, traffic, red_s});
+        }
+    }
+    return meter.result(traffic, seconds);
+}
+
+} // namespace elmopp

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Trial: one controller in one junction under one inflow, second by second, and what came of it.
+///
+/// Order of a second (paper, appendix; docs/algorithm.md): arrivals, counts, decision, ten lamp ticks, discharge,
+/// metrics.
+
+#pragma once
+
+#include "choosers.hpp"
+#include "inflow.hpp"
+#include "scenario.hpp"
+#include "traffic.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace elmopp {
+
+/// The vehicles of one trajectory or trace, scaled to a demand, with everything that the forecasts need to know
+/// beforehand.
+struct Demand {
+    Series veh_per_s;                  ///< [approach][point]
+    std::size_t origin;                ///< point of second 0; what lies before is known to the forecasts
+    std::vector<elmopp_ar8_t> ar8;     ///< [approach]
+    std::vector<float> mean_veh_per_s; ///< [approach]; empty: the forecast averages for itself
+    std::vector<std::vector<float>>
+        future_veh; ///< [approach][second + 1...]: the oracle's rows, ELMOPP_HORIZON_MAX longer
+};
+
+/// Scales a unit series to so many vehicles an approach and prepares the oracle's rows for `seconds`.
+Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
+                   const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds);
+
+/// Metrics of docs/algorithm.md, 1.5.
+struct Metrics {
+    double throughput_veh_per_s = 0.0;
+    double served_share = 0.0;
+    double mean_delay_s = 0.0;
+    double longest_red_s = 0.0;
+    double switches = 0.0;
+    double figure_throughput_veh_per_s = 0.0;
+    double vehicles_in = 0.0;
+    double vehicles_out = 0.0;
+    double vehicles_queued = 0.0;
+    double vehicles_outside = 0.0;
+};
+
+/// One second, as a log sees it after the discharge.
+struct Second {
+    std::size_t t_s;
+    elmopp_stage_t stage; ///< shown at the end of the second
+    const elmopp_lamps_t &lamps;
+    const std::vector<float> &present_veh; ///< [movement], as the core saw them
+    const std::vector<float> &arrived_veh;
+    const elmopp_controller_t &controller;
+    const Traffic &traffic;
+    const std::vector<double> &red_s; ///< [movement]
+};
+
+using Observer = std::function<void(const Second &)>;
+
+/// Runs it. `observer` may be empty. Throws Failure if a vehicle is lost.
+Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const Demand &demand, std::size_t seconds,
+                  const Observer &observer);
+
+} // namespace elmopp
