@@ -4,16 +4,15 @@
 #include "bench.hpp"
 
 #include "autoregression.hpp"
-#include "error.hpp"
 #include "jobs.hpp"
 #include "trial.hpp"
+#include "whole_file.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 
 namespace elmopp {
 namespace {
@@ -62,13 +61,9 @@ double speedup_of_two(const Scenario &scenario, const Demand &demand) {
 } // namespace
 
 void run_bench(const std::optional<std::filesystem::path> &json) {
-    std::ofstream out;
+    std::optional<WholeFile> file;
     if (json) {
-        out.open(*json);
-        if (!out) {
-            throw BadRequest("--json " + json->string() +
-                             ": cannot be written; right would be a file in a folder in which files can be made");
-        }
+        file.emplace("--json", *json);
     }
     const Scenario scenario = make_scenario(find_profile("paper"), nullptr);
     const Demand demand = bench_demand();
@@ -89,11 +84,9 @@ void run_bench(const std::optional<std::filesystem::path> &json) {
     }
     result["jobs2_speedup"] = speedup_of_two(scenario, demand);
     std::printf("%-24s %10.2f\n", "speed-up by two jobs", result["jobs2_speedup"].get<double>());
-    if (json) {
-        out << result.dump(1) << "\n";
-        if (!out.flush()) {
-            throw Failure(json->string() + ": could not be written");
-        }
+    if (file) {
+        file->out() << result.dump(1) << "\n";
+        file->commit();
     }
 }
 

@@ -102,12 +102,12 @@ void keep_clock(Oaf::Lane &lane, double now_s, double arrived_veh, double queue_
 
 void keep_clocks(Oaf &self, const elmopp_view_t &view) {
     const bool first = self.lanes.empty();
+    self.now_s += first ? 0.0 : 1.0;
     self.lanes.resize(view.junction->movement_count);
     for (std::size_t j = 0; j < view.junction->movement_count; ++j) {
         const double queue_veh = queue_of(view, j);
         keep_clock(self.lanes[j], self.now_s, first ? queue_veh : static_cast<double>(view.arrivals_veh[j]), queue_veh);
     }
-    self.now_s += 1.0;
 }
 
 /// Age of the vehicle at the stop line; below 0 for a lane without one.

@@ -9,13 +9,11 @@
 #include "results.hpp"
 #include "sites.hpp"
 #include "trial.hpp"
+#include "whole_file.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
-#include <fstream>
-#include <iostream>
-#include <system_error>
 
 namespace elmopp {
 namespace {
@@ -24,53 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr int log_digits = 9;
 constexpr std::size_t aspect_digits = ELMOPP_GROUP_MAX;
-
-/// A file that takes its name when it is whole; "-" is stdout.
-class WholeFile {
-  public:
-    WholeFile(const std::string &option, const fs::path &file) : file_(file), building_(file.string() + ".part") {
-        if (file_ == "-") {
-            return;
-        }
-        stream_.open(building_);
-        if (!stream_ || fs::is_directory(file_)) {
-            remove();
-            throw BadRequest(option + " " + file.string() +
-                             ": cannot be written; right would be a file in a folder in which files can be made");
-        }
-    }
-    ~WholeFile() {
-        remove();
-    }
-    WholeFile(const WholeFile &) = delete;
-    WholeFile &operator=(const WholeFile &) = delete;
-    WholeFile(WholeFile &&) = delete;
-    WholeFile &operator=(WholeFile &&) = delete;
-
-    std::ostream &out() {
-        return file_ == "-" ? std::cout : stream_;
-    }
-
-    void commit() {
-        if (!out().flush()) {
-            throw Failure(file_.string() + ": could not be written");
-        }
-        if (file_ != "-") {
-            stream_.close();
-            fs::rename(building_, file_);
-        }
-    }
-
-  private:
-    void remove() const {
-        std::error_code ignored;
-        fs::remove(building_, ignored);
-    }
-
-    fs::path file_;
-    fs::path building_;
-    std::ofstream stream_;
-};
 
 template <typename Values> std::string list_of(const Values &values, std::size_t count) {
     std::string text = "[";

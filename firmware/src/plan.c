@@ -48,8 +48,7 @@ elmopp_plan_group_t elmopp_plan_end(const elmopp_group_t *site, elmopp_plan_grou
     return next;
 }
 
-/* True if in `ahead_ds` from now every intergreen towards g will have run out. A group that is not red blocks at once,
-   except that its amber may overlap with red: what counts is the end of its green. */
+/* True if every conflicting group is red and `ahead_ds` from now its intergreen towards g will have run out. */
 static bool is_clear(const elmopp_junction_t *junction, const elmopp_plan_group_t ended[ELMOPP_GROUP_MAX], uint32_t g,
                      uint16_t ahead_ds) {
     for (uint32_t h = 0U; h < junction->group_count; h++) {
