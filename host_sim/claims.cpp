@@ -188,6 +188,7 @@ class Judge {
 
     [[nodiscard]] Claim hyperchaos() const {
         std::vector<std::string> texts;
+        texts.reserve(facts_.exponents_euler.size());
         for (const double exponent : facts_.exponents_euler) {
             texts.push_back(format_number(exponent, 2));
         }

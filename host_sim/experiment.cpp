@@ -94,6 +94,7 @@ class Experiment {
   public:
     explicit Experiment(const ExperimentRequest &request) : request_(request) {
         std::vector<Block> blocks;
+        blocks.reserve(request.profiles.size());
         for (const auto &profile : request.profiles) {
             blocks.push_back({profile, request.choosers});
         }
@@ -191,7 +192,10 @@ class OutputFolder {
                              ": cannot be written; right would be a folder in which files can be made");
         }
         building_ = pattern;
-        fs::permissions(building_, fs::perms(0755));
+        // Made for its owner alone; results are for everybody.
+        fs::permissions(building_,
+                        fs::perms::group_read | fs::perms::group_exec | fs::perms::others_read | fs::perms::others_exec,
+                        fs::perm_options::add);
     }
     ~OutputFolder() {
         std::error_code ignored;

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -43,19 +44,23 @@ unsigned vehicles_of(const std::string &text) {
     return static_cast<unsigned>(whole("--vehicles", text, 1, most_vehicles));
 }
 
+double share_of(const std::string &word) {
+    double share = 0.0;
+    if (!parse_number(word, share) || share < 0.0) {
+        throw BadRequest("--split \"" + word + "\": right would be numbers of 0 or more, such as 0.2,0.6,0.2");
+    }
+    return share;
+}
+
 std::vector<double> split_of(const std::string &text) {
     std::vector<double> shares;
-    double sum = 0.0;
-    for (const auto &word : text.empty() ? std::vector<std::string>() : split(text, ',')) {
-        double share = 0.0;
-        if (!parse_number(word, share) || share < 0.0) {
-            throw BadRequest("--split \"" + text + "\": \"" + word +
-                             "\" is no share; right would be numbers of 0 or more, such as 0.2,0.6,0.2");
-        }
-        shares.push_back(share);
-        sum += share;
+    if (text.empty()) {
+        return shares;
     }
-    if (!shares.empty() && sum <= 0.0) {
+    for (const auto &word : split(text, ',')) {
+        shares.push_back(share_of(word));
+    }
+    if (*std::max_element(shares.begin(), shares.end()) <= 0.0) {
         throw BadRequest("--split \"" + text + "\": the shares add up to 0; right would be at least one above 0");
     }
     return shares;

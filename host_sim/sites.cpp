@@ -86,6 +86,7 @@ ToolResult run_tool(const std::string &name, const std::vector<std::string> &arg
     std::vector<std::string> words{program};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char *> argv;
+    argv.reserve(words.size() + 1);
     for (auto &word : words) {
         argv.push_back(word.data());
     }

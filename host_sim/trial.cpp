@@ -35,7 +35,7 @@ class Signals {
             going_ = elmopp_junction_served(&junction_, green_);
         }
         for (std::size_t j = 0; j < green_ds_.size(); ++j) {
-            const bool goes = ((going_ >> j) & 1U) != 0;
+            const bool goes = elmopp_mask_has(going_, static_cast<std::uint32_t>(j));
             // Green time before the start-up loss is over moves nobody.
             flowing_ds_[j] += goes && green_ds_[j] >= junction_.movement[j].startup_ds ? 1U : 0U;
             green_ds_[j] = goes ? green_ds_[j] + 1U : 0U;

@@ -40,7 +40,7 @@ static bool are_counts(const elmopp_controller_t *self, const elmopp_counts_t *c
 static uint16_t waiting_groups(const elmopp_controller_t *self, const float *present_veh) {
     uint16_t demand = 0U;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const bool going = ((self->going >> j) & 1U) != 0U;
+        const bool going = elmopp_mask_has(self->going, j);
         if ((!going) && (present_veh[j] >= ELMOPP_CONTROLLER_DEMAND_VEH)) {
             demand |= self->junction->movement[j].groups;
         }
@@ -94,7 +94,7 @@ elmopp_lamps_t elmopp_controller_lamp_tick(elmopp_controller_t *self) {
     const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, self->wanted, self->demand);
     self->going = elmopp_junction_served(self->junction, lamps.green);
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        if (((self->going >> j) & 1U) != 0U) {
+        if (elmopp_mask_has(self->going, j)) {
             self->red_ds[j] = 0U;
         } else if (self->red_ds[j] < UINT16_MAX) {
             self->red_ds[j]++;

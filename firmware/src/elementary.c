@@ -15,7 +15,8 @@
 
 /* 2^n for a normal result: the exponent field is all there is. */
 static float power_of_two(int32_t n) {
-    const uint32_t bits = (uint32_t)(n + EXPONENT_BIAS) << MANTISSA_BITS;
+    const int32_t exponent = n + EXPONENT_BIAS;
+    const uint32_t bits = (uint32_t)exponent << MANTISSA_BITS;
     float result;
     (void)memcpy(&result, &bits, sizeof result);
     return result;

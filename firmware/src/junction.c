@@ -11,7 +11,11 @@
 float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh) {
     ELMOPP_ASSERT(movement < junction->movement_count);
     const float capacity_veh = junction->movement[movement].capacity_veh;
-    return (capacity_veh > 0.0F) ? (queue_veh / capacity_veh) : 0.0F;
+    float load = 0.0F;
+    if (capacity_veh > 0.0F) {
+        load = queue_veh / capacity_veh;
+    }
+    return load;
 }
 
 float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t movement, float queue_veh) {
@@ -26,6 +30,10 @@ float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t move
     return (flow_veh < queue_veh) ? flow_veh : queue_veh;
 }
 
+bool elmopp_mask_has(uint32_t mask, uint32_t index) {
+    return ((mask >> index) & 1U) != 0U;
+}
+
 bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups) {
     ELMOPP_ASSERT(movement < junction->movement_count);
     const uint16_t needed = junction->movement[movement].groups;
@@ -36,7 +44,7 @@ uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t grou
     uint32_t served = 0U;
     for (uint32_t j = 0U; j < junction->movement_count; j++) {
         if (elmopp_junction_goes(junction, j, groups)) {
-            served |= 1UL << j;
+            served |= (uint32_t)1U << j;
         }
     }
     return served;

@@ -5,12 +5,10 @@
 
 #include "elmopp/assert.h"
 
-static bool in_mask(uint16_t mask, uint32_t g) {
-    return (((uint32_t)mask >> g) & 1U) != 0U;
-}
+#include <string.h>
 
 static uint16_t bit(uint32_t g) {
-    return (uint16_t)(1UL << g);
+    return (uint16_t)((uint32_t)1U << g);
 }
 
 static uint16_t older(uint16_t age_ds) {
@@ -52,7 +50,7 @@ elmopp_plan_group_t elmopp_plan_end(const elmopp_group_t *site, elmopp_plan_grou
 static bool is_clear(const elmopp_junction_t *junction, const elmopp_plan_group_t ended[ELMOPP_GROUP_MAX], uint32_t g,
                      uint16_t ahead_ds) {
     for (uint32_t h = 0U; h < junction->group_count; h++) {
-        if (in_mask(junction->conflict[g], h)) {
+        if (elmopp_mask_has(junction->conflict[g], h)) {
             const uint32_t free_ds = (uint32_t)ended[h].since_green_ds + ahead_ds;
             if ((ended[h].aspect != ELMOPP_ASPECT_RED) || (free_ds < junction->intergreen_ds[h][g])) {
                 return false;
@@ -86,7 +84,7 @@ static uint16_t target_groups(const elmopp_plan_t *self) {
 static uint32_t longest_waiting(const elmopp_plan_t *self, uint32_t g, uint16_t demand) {
     uint32_t found = ELMOPP_GROUP_MAX;
     for (uint32_t h = 0U; h < self->junction->group_count; h++) {
-        if (in_mask((uint16_t)(self->junction->conflict[g] & demand), h) &&
+        if (elmopp_mask_has((uint16_t)(self->junction->conflict[g] & demand), h) &&
             ((found == ELMOPP_GROUP_MAX) || (self->group[h].since_green_ds > self->group[found].since_green_ds))) {
             found = h;
         }
@@ -97,7 +95,7 @@ static uint32_t longest_waiting(const elmopp_plan_t *self, uint32_t g, uint16_t 
 static elmopp_stage_t first_stage_with(const elmopp_junction_t *junction, uint32_t g) {
     elmopp_stage_t found = ELMOPP_STAGE_NONE;
     for (uint32_t s = junction->stage_count; s > 0U; s--) {
-        if (in_mask(junction->stage_groups[s - 1U], g)) {
+        if (elmopp_mask_has(junction->stage_groups[s - 1U], g)) {
             found = (elmopp_stage_t)(s - 1U);
         }
     }
@@ -133,12 +131,13 @@ static void retarget(elmopp_plan_t *self, elmopp_stage_t wanted, uint16_t demand
 static void move_groups(elmopp_plan_t *self, uint16_t demand) {
     const elmopp_junction_t *junction = self->junction;
     const uint16_t kept = target_groups(self);
-    elmopp_plan_group_t ended[ELMOPP_GROUP_MAX] = {{ELMOPP_ASPECT_RED, 0U, 0U, 0U}};
+    elmopp_plan_group_t ended[ELMOPP_GROUP_MAX];
+    (void)memcpy(ended, self->group, sizeof ended);
     for (uint32_t g = 0U; g < junction->group_count; g++) {
-        ended[g] = elmopp_plan_end(&junction->group[g], self->group[g], in_mask(kept, g));
+        ended[g] = elmopp_plan_end(&junction->group[g], self->group[g], elmopp_mask_has(kept, g));
     }
     for (uint32_t g = 0U; g < junction->group_count; g++) {
-        elmopp_plan_group_t next = elmopp_plan_start(junction, ended, g, in_mask(kept, g));
+        elmopp_plan_group_t next = elmopp_plan_start(junction, ended, g, elmopp_mask_has(kept, g));
         const bool green = next.aspect == ELMOPP_ASPECT_GREEN;
         next.age_ds = older(next.age_ds);
         next.since_green_ds = green ? (uint16_t)0U : older(next.since_green_ds);

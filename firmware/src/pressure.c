@@ -17,7 +17,7 @@ static float stage_pressure(const elmopp_view_t *view, uint32_t stage) {
     return sum;
 }
 
-static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
+static elmopp_stage_t choose_by_pressure(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     const elmopp_pressure_t *self = state;
     elmopp_stage_t best = 0U;
     for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
@@ -39,5 +39,5 @@ static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score
 
 elmopp_chooser_t elmopp_pressure_init(elmopp_pressure_t *self) {
     ELMOPP_ASSERT((self->min_s <= self->max_s) && (self->ratio >= 1.0F));
-    return (elmopp_chooser_t){.choose = choose, .state = self, .horizon_s = 0U};
+    return (elmopp_chooser_t){.choose = choose_by_pressure, .state = self, .horizon_s = 0U};
 }

@@ -17,12 +17,8 @@ static elmopp_site_verdict_t fault(elmopp_site_fault_t what, uint32_t first, uin
     return (elmopp_site_verdict_t){what, (uint8_t)first, (uint8_t)second};
 }
 
-static bool in_mask(uint32_t mask, uint32_t index) {
-    return ((mask >> index) & 1U) != 0U;
-}
-
 static uint16_t all_groups(const elmopp_junction_t *junction) {
-    return (uint16_t)((1UL << junction->group_count) - 1UL);
+    return (uint16_t)(((uint32_t)1U << junction->group_count) - 1U);
 }
 
 static bool ends_with_zero(const char *name, uint32_t size) {
@@ -97,8 +93,8 @@ elmopp_site_verdict_t elmopp_site_check_group(const elmopp_junction_t *junction,
 }
 
 elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, uint32_t ending, uint32_t starting) {
-    const bool conflict = in_mask(junction->conflict[ending], starting);
-    const bool mirrored = in_mask(junction->conflict[starting], ending);
+    const bool conflict = elmopp_mask_has(junction->conflict[ending], starting);
+    const bool mirrored = elmopp_mask_has(junction->conflict[starting], ending);
     const bool exists = (junction->conflict[ending] & all_groups(junction)) == junction->conflict[ending];
     if ((conflict != mirrored) || (conflict && (ending == starting)) || (!exists)) {
         return fault(ELMOPP_SITE_CONFLICT, ending, starting);
@@ -123,11 +119,11 @@ elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction,
     for (uint32_t g = 0U; g < junction->group_count; g++) {
         const uint16_t clash = (uint16_t)(junction->conflict[g] & groups);
         for (uint32_t h = 0U; h < junction->group_count; h++) {
-            if (in_mask(groups, g) && in_mask(clash, h)) {
+            if (elmopp_mask_has(groups, g) && elmopp_mask_has(clash, h)) {
                 return fault(ELMOPP_SITE_STAGE_CONFLICT, g, h);
             }
         }
-        if ((!in_mask(groups, g)) && (clash == 0U)) {
+        if ((!elmopp_mask_has(groups, g)) && (clash == 0U)) {
             return fault(ELMOPP_SITE_STAGE_NOT_MAXIMAL, stage, g);
         }
     }
@@ -174,11 +170,11 @@ elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
 }
 
 static uint32_t crc32(const uint8_t *bytes, uint32_t length) {
-    uint32_t crc = 0xFFFFFFFFUL;
+    uint32_t crc = 0xFFFFFFFFU;
     for (uint32_t i = 0U; i < length; i++) {
         crc ^= bytes[i];
         for (uint32_t k = 0U; k < 8U; k++) {
-            crc = ((crc & 1U) != 0U) ? ((crc >> 1U) ^ 0xEDB88320UL) : (crc >> 1U);
+            crc = ((crc & 1U) != 0U) ? ((crc >> 1U) ^ 0xEDB88320U) : (crc >> 1U);
         }
     }
     return ~crc;

@@ -82,7 +82,7 @@ static uint16_t stage_age_ds(const elmopp_urgency_t *self, uint32_t stage) {
 static void score_by_movement(const elmopp_urgency_t *self, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     float urgency[ELMOPP_MOVEMENT_MAX];
     for (uint32_t j = 0U; j < view->junction->movement_count; j++) {
-        const bool going = ((view->going >> j) & 1U) != 0U;
+        const bool going = elmopp_mask_has(view->going, j);
         urgency[j] = movement_urgency(self, view, j, view->red_ds[j], going);
     }
     for (uint32_t s = 0U; s < view->junction->stage_count; s++) {
@@ -146,7 +146,7 @@ static void age_stages(elmopp_urgency_t *self, const elmopp_view_t *view, elmopp
     }
 }
 
-static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
+static elmopp_stage_t choose_by_urgency(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     elmopp_urgency_t *self = state;
     for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
         score[s] = 0.0F;
@@ -188,5 +188,5 @@ elmopp_chooser_t elmopp_urgency_init(elmopp_urgency_t *self, const elmopp_urgenc
     }
     /* The kernel is 0 at t_max, so the last second of the window needs no forecast. */
     const uint16_t horizon_s = options->cumulative ? (uint16_t)(options->max_s - 1U) : 0U;
-    return (elmopp_chooser_t){.choose = choose, .state = self, .horizon_s = horizon_s};
+    return (elmopp_chooser_t){.choose = choose_by_urgency, .state = self, .horizon_s = horizon_s};
 }

@@ -22,8 +22,8 @@ typedef struct {
     const float *arrivals_veh; ///< [movement] vehicles that came in the last second
     const float *share;        ///< [movement] its share of its approach's arrivals; sums to 1 over an approach
     const uint16_t *red_ds;    ///< [movement] T: time since all its groups were last green, 0 while they are and before
-                            ///< the first decision; saturates
-    uint32_t going; ///< mask of the movements that are green now
+                               ///< the first decision; saturates
+    uint32_t going;            ///< mask of the movements that are green now
     const float
         *foreseen_veh[ELMOPP_APPROACH_MAX]; ///< [approach][step] vehicles that will come in second step + 1 from now
     uint16_t foreseen_steps;                ///< steps in each row; 0: nothing is foreseen and the rows are null

@@ -94,16 +94,19 @@ typedef struct {
     uint16_t intergreen_ds[ELMOPP_GROUP_MAX][ELMOPP_GROUP_MAX]; ///< [ending][starting]: end of green to start of green
 } elmopp_junction_t;
 
-static_assert(sizeof(float) == 4, "the image needs IEEE 754 single precision");
-static_assert(sizeof(elmopp_movement_t) == 28, "a movement must have no implicit padding");
-static_assert(sizeof(elmopp_group_t) == 20, "a group must have no implicit padding");
-static_assert(sizeof(elmopp_junction_t) == 1740, "a junction must have no implicit padding");
+static_assert(sizeof(float) == 4U, "the image needs IEEE 754 single precision");
+static_assert(sizeof(elmopp_movement_t) == 28U, "a movement must have no implicit padding");
+static_assert(sizeof(elmopp_group_t) == 20U, "a group must have no implicit padding");
+static_assert(sizeof(elmopp_junction_t) == 1740U, "a junction must have no implicit padding");
 
 /// Load L = Q / C of one movement (paper: the Hadamard quotient of Q and C), 0 where the capacity is 0. Shape: scalar.
 float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);
 
 /// Flow in vehicles per second with which a queue leaves on full green, never more than the queue itself in one second.
 float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);
+
+/// True if bit `index` of a mask of groups, movements or stages is set.
+bool elmopp_mask_has(uint32_t mask, uint32_t index);
 
 /// True if all of the movement's signal groups are in the mask.
 bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups);

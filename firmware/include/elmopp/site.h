@@ -7,9 +7,9 @@
 /// told and a proof can assume them one by one. It decides nothing about traffic. tools/site judges the same rules a
 /// second time, in the words of the site file; tests hold the two against each other.
 ///
-/// Street rules, which a simulation_only site need not fulfil: amber 3 to 6 s (RiLSA 2015, 2.4; MUTCD 4F.17) and a minimum
-/// green of at least 5 s (1 s in simulation). In every site the intergreen of a conflicting pair is at least the amber of the
-/// group that ends plus the red-amber of the one that starts.
+/// Street rules, which a simulation_only site need not fulfil: amber 3 to 6 s (RiLSA 2015, 2.4; MUTCD 4F.17) and a
+/// minimum green of at least 5 s (1 s in simulation). In every site the intergreen of a conflicting pair is at least
+/// the amber of the group that ends plus the red-amber of the one that starts.
 
 #ifndef ELMOPP_SITE_H
 #define ELMOPP_SITE_H
