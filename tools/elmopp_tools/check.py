@@ -171,7 +171,9 @@ def run_tests(preset: str, nightly: bool, allowed: dict[tuple[str, str], str], t
 def build_and_test(nightly: bool, allowed: dict[tuple[str, str], str], tally: Tally) -> None:
     for preset in (*TESTED_PRESETS, "cortex-m4"):
         configured = run_step(commands(f"{preset}: configure", ["cmake", "--preset", preset]), tally)
-        built = configured and run_step(commands(f"{preset}: build", ["cmake", "--build", "--preset", preset]), tally)
+        # Ninja goes on after an error, so that one run shows all of them.
+        build = ["cmake", "--build", "--preset", preset, "--", "-k", "0"]
+        built = configured and run_step(commands(f"{preset}: build", build), tally)
         if built and preset in TESTED_PRESETS:
             run_tests(preset, nightly, allowed, tally)
         if built and preset == "release":
