@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <iostream>
 #include <map>
@@ -28,6 +29,10 @@ namespace fs = std::filesystem;
 constexpr std::size_t seconds = simulated_points;
 constexpr std::size_t paper_approaches = 4;
 constexpr std::size_t lyapunov_steps = 400000;
+
+constexpr std::array<const char *, 11> result_files{"trials.csv", "summary.json",    "pairs.csv",      "claims.json",
+                                                    "beside.csv", "throughput.png",  "throughput.svg", "delay.png",
+                                                    "delay.svg",  "longest_red.png", "longest_red.svg"};
 
 /// One trajectory, ready for every number of vehicles: mapped, normalised, its AR(8) fitted.
 struct Source {
@@ -62,10 +67,10 @@ struct Block {
 /// What stands beside the paper's table: each rival's sweep, the profile of the printed figure and the literal
 /// algorithm.
 std::vector<Block> beside_blocks() {
-    const auto sweeps =
-        parse_choosers("pressure@h=1,pressure@h=2,pressure@h=5,itlc@ready=5,itlc@ready=10,itlc@ready=20,itlc@ready=60,"
-                       "itlc@ready=unlimited,oaf@platoon=2,oaf@platoon=5,oaf@platoon=20,oaf@platoon=40,fixed@green=10,"
-                       "fixed@green=15,fixed@green=30,fixed@green=45");
+    const auto sweeps = parse_choosers(
+        "pressure@h=1,pressure@h=2,pressure@h=5,itlc@ready=5,itlc@ready=10,itlc@ready=20,itlc@ready=60,"
+        "itlc@ready=unlimited,oaf@platoon=2,oaf@platoon=5,oaf@platoon=20,oaf@platoon=40,oaf@platoon=80,fixed@green=10,"
+        "fixed@green=15,fixed@green=30,fixed@green=45");
     return {{"paper", sweeps},
             {"saturation", sweeps},
             {"figure", parse_choosers("naive,cumulative:none,cumulative:ar8,cumulative:oracle,itlc,oaf")},
@@ -210,9 +215,14 @@ class OutputFolder {
         return building_;
     }
 
-    /// Moves each file to its place; files of other names that are already there stay.
+    /// Moves each file to its place. Results of an earlier run that this one did not make go, other files stay.
     void commit() const {
         fs::create_directories(wanted_);
+        for (const auto *const name : result_files) {
+            if (!fs::exists(building_ / name)) {
+                fs::remove(wanted_ / name);
+            }
+        }
         for (const auto &entry : fs::directory_iterator(building_)) {
             fs::rename(entry.path(), wanted_ / entry.path().filename());
         }

@@ -129,16 +129,20 @@ unsigned jobs_of(const std::string &text) {
 }
 
 void add_traffic_options(CLI::App *command, Texts &texts) {
-    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->capture_default_str();
+    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->type_name("N")->capture_default_str();
     command->add_option("--mapping", texts.mapping, "How the states become traffic: abs or shift")
+        ->type_name("NAME")
         ->capture_default_str();
-    command->add_option("--split", texts.split, "Shares of an approach's movements, e.g. 0.2,0.6,0.2 (default: equal)");
+    command->add_option("--split", texts.split, "Shares of an approach's movements, e.g. 0.2,0.6,0.2 (default: equal)")
+        ->type_name("SHARES");
 }
 
 void add_experiment(CLI::App &app, Texts &texts) {
     auto *command = app.add_subcommand(
         "experiment", "The paper's evaluation: every chooser on the same trials; table, figures, claims");
-    command->add_option("--profile", texts.profile, "Profiles, comma-separated (host_sim list)")->capture_default_str();
+    command->add_option("--profile", texts.profile, "Profiles, comma-separated (host_sim list)")
+        ->type_name("LIST")
+        ->capture_default_str();
     command->add_option(
         "--choosers", texts.choosers,
         "Choosers NAME[@OPTION=VALUE][:FORECAST], comma-separated, or all (default: the paper's table)");
@@ -146,11 +150,15 @@ void add_experiment(CLI::App &app, Texts &texts) {
         "--vehicles", texts.vehicles,
         "Vehicles per approach, comma-separated, or random for 200..1000 (default: 200,400,600,800,1000)");
     command->add_option("--trials", texts.trials, "Initial conditions for each number of vehicles")
+        ->type_name("N")
         ->capture_default_str();
-    command->add_option("--jobs", texts.jobs, "Trials at the same time (default: one a core); changes no result");
-    command->add_option("--out", texts.out, "Folder for the results")->capture_default_str();
-    command->add_option("--count-scores", texts.count_scores, "Scores of the camera, for the claim about counting");
-    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)");
+    command->add_option("--jobs", texts.jobs, "Trials at the same time (default: one a core); changes no result")
+        ->type_name("N");
+    command->add_option("--out", texts.out, "Folder for the results")->type_name("DIR")->capture_default_str();
+    command->add_option("--count-scores", texts.count_scores, "Scores of the camera, for the claim about counting")
+        ->type_name("FILE");
+    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)")
+                           ->type_name("NAME");
     command->add_flag("--no-figures", texts.no_figures, "Leave the figures out");
     add_traffic_options(command, texts);
     command->callback([command, integrator, &texts] {
@@ -186,22 +194,36 @@ void add_experiment(CLI::App &app, Texts &texts) {
 
 void add_run(CLI::App &app, Texts &texts) {
     auto *command = app.add_subcommand("run", "One trial, with a decision log if asked for");
-    auto *profile = command->add_option("--profile", texts.run_profile,
-                                        "Inflow and discharge (default: paper; with --site alone saturation)");
-    auto *site =
-        command->add_option("--site", texts.site, "Junction, a .toml or .bin site file (default: the paper's)");
+    auto *profile = command
+                        ->add_option("--profile", texts.run_profile,
+                                     "Inflow and discharge (default: paper; with --site alone saturation)")
+                        ->type_name("NAME");
+    auto *site = command->add_option("--site", texts.site, "Junction, a .toml or .bin site file (default: the paper's)")
+                     ->type_name("FILE");
     auto *chooser =
-        command->add_option("--chooser", texts.chooser, "NAME[@OPTION=VALUE][:FORECAST] (default: the site's)");
-    auto *vehicles = command->add_option("--vehicles", texts.vehicles, "Vehicles per approach (default: 800)");
-    command->add_option("--trial", texts.trial, "Which of the seed's initial conditions")->capture_default_str();
-    auto *trace = command->add_option(
-        "--trace", texts.trace, "Recorded traffic instead: CSV with t_s and a column an approach, vehicles per second");
-    auto *seconds = command->add_option("--seconds", texts.seconds, "Length (default: 2000, or the trace's)");
-    auto *log = command->add_option("--log", texts.log, "Decision log, JSON lines; - is stdout");
+        command->add_option("--chooser", texts.chooser, "NAME[@OPTION=VALUE][:FORECAST] (default: the site's)")
+            ->type_name("CHOOSER");
+    auto *vehicles =
+        command->add_option("--vehicles", texts.vehicles, "Vehicles per approach (default: 800)")->type_name("N");
+    command->add_option("--trial", texts.trial, "Which of the seed's initial conditions")
+        ->type_name("N")
+        ->capture_default_str();
+    auto *trace =
+        command
+            ->add_option("--trace", texts.trace,
+                         "Recorded traffic instead: CSV with t_s and a column an approach, vehicles per second")
+            ->type_name("FILE");
+    auto *seconds =
+        command->add_option("--seconds", texts.seconds, "Length (default: 2000, or the trace's)")->type_name("N");
+    auto *log = command->add_option("--log", texts.log, "Decision log, JSON lines; - is stdout")->type_name("FILE");
     command->add_flag("--full", texts.full, "Queues, reds and departures in the log too");
-    auto *summary = command->add_option("--summary", texts.summary, "Metrics as JSON (default: stdout)");
-    command->add_option("--link", texts.link, "How core and traffic are joined: inproc")->capture_default_str();
-    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)");
+    auto *summary =
+        command->add_option("--summary", texts.summary, "Metrics as JSON (default: stdout)")->type_name("FILE");
+    command->add_option("--link", texts.link, "How core and traffic are joined: inproc")
+        ->type_name("NAME")
+        ->capture_default_str();
+    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)")
+                           ->type_name("NAME");
     add_traffic_options(command, texts);
     command->callback([=, &texts] {
         RunRequest request;
@@ -228,18 +250,24 @@ void add_run(CLI::App &app, Texts &texts) {
 
 void add_inflow(CLI::App &app, Texts &texts) {
     auto *command = app.add_subcommand("inflow", "The generated traffic of one trial as CSV");
-    command->add_option("--integrator", texts.integrator, "rk4 or euler")->capture_default_str();
+    command->add_option("--integrator", texts.integrator, "rk4 or euler")->type_name("NAME")->capture_default_str();
     command->add_option("--mapping", texts.mapping, "raw (states x,y,z,w), abs or shift (vehicles per second)")
+        ->type_name("NAME")
         ->capture_default_str();
     command->add_option("--scope", texts.scope, "per_inroad (N to each approach) or total (N to all)")
+        ->type_name("NAME")
         ->capture_default_str();
     auto *vehicles =
-        command->add_option("--vehicles", texts.vehicles, "Vehicles in the simulated seconds (default: 800)");
-    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->capture_default_str();
-    command->add_option("--trial", texts.trial, "Which of the seed's initial conditions")->capture_default_str();
-    command->add_option("--points", texts.points, "Points from 0; 0..7999 train the forecasts, second 0 is point 8000")
+        command->add_option("--vehicles", texts.vehicles, "Vehicles in the simulated seconds (default: 800)")
+            ->type_name("N");
+    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->type_name("N")->capture_default_str();
+    command->add_option("--trial", texts.trial, "Which of the seed's initial conditions")
+        ->type_name("N")
         ->capture_default_str();
-    command->add_option("--csv", texts.csv, "File to write; - is stdout")->required();
+    command->add_option("--points", texts.points, "Points from 0; 0..7999 train the forecasts, second 0 is point 8000")
+        ->type_name("N")
+        ->capture_default_str();
+    command->add_option("--csv", texts.csv, "File to write; - is stdout")->type_name("FILE")->required();
     command->callback([vehicles, &texts] {
         using OptionalMapping = std::optional<Mapping>;
         const auto mapping = one_of<OptionalMapping>(
@@ -256,7 +284,7 @@ void add_inflow(CLI::App &app, Texts &texts) {
 void add_bench(CLI::App &app, Texts &texts) {
     auto *command =
         app.add_subcommand("bench", "Simulated seconds a second, per chooser, and the speed-up of two jobs");
-    auto *json = command->add_option("--json", texts.json, "File for the figures");
+    auto *json = command->add_option("--json", texts.json, "File for the figures")->type_name("FILE");
     command->callback([json, &texts] { run_bench(given(json, std::filesystem::path(texts.json))); });
 }
 

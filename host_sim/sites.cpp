@@ -67,22 +67,22 @@ class TemporaryFolder {
 
 } // namespace
 
-fs::path tools_folder() {
+fs::path find_tool(const std::string &name) {
     const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
     for (const auto *const candidate : {"../../../tools", "../share/elmopp/tools"}) {
         const fs::path folder = (program / candidate).lexically_normal();
-        if (fs::exists(folder / "site")) {
-            return folder;
+        if (fs::exists(folder / name)) {
+            return folder / name;
         }
     }
-    throw BadRequest("tools/site was not found near " + program.string() +
+    throw BadRequest("tools/" + name + " was not found near " + program.string() +
                      "; right would be the build tree or an installed copy");
 }
 
 ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments) {
     const TemporaryFolder folder;
     const std::string said = (folder.path() / "said").string();
-    const std::string program = (tools_folder() / name).string();
+    const std::string program = find_tool(name).string();
     std::vector<std::string> words{program};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char *> argv;

@@ -21,15 +21,15 @@ extern const elmopp_junction_t elmopp_site_three_way;
 
 namespace elmopp {
 
-/// Folder of the Python tools that belong to this program: beside the build tree or in the installed share folder.
-std::filesystem::path tools_folder();
+/// A Python tool that belongs to this program: of the source tree around the build, or of the installed share folder.
+std::filesystem::path find_tool(const std::string &name);
 
 struct ToolResult {
     int exit_code;
     std::string last_line; ///< of what it said on stderr
 };
 
-/// Runs a program of that folder to its end.
+/// Runs such a tool to its end.
 ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments);
 
 /// Reads a site image (.bin) or, through tools/site, a site file (.toml). Throws BadRequest with what is wrong.

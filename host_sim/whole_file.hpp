@@ -13,7 +13,7 @@ namespace elmopp {
 
 /// "-" is stdout; a device or pipe is written to as it is.
 class WholeFile {
-public:
+  public:
     /// Throws BadRequest naming `option` and the file if it cannot be made.
     WholeFile(const std::string &option, const std::filesystem::path &file);
     ~WholeFile();
@@ -27,7 +27,7 @@ public:
     /// The file is whole. Throws Failure if it could not be written to its end.
     void commit();
 
-private:
+  private:
     std::filesystem::path file_;
     bool direct_;
     std::filesystem::path building_;

@@ -3,8 +3,7 @@
 """host_sim on the C core against the independent implementation: the same seconds, stage by stage and queue by queue.
 
 The reference (tests/reference/elmopp_reference.py) was written from the equations without a look at the C. It works in
-double precision throughout, the core in single: stages must be equal, queues equal to 1e-9 relative once the stages are,
-scores to 1e-5. Trials whose smallest decision margin is below single precision are listed, not tolerated.
+double precision throughout, the core in single: stages and reds must be equal, queues equal to 1e-6, scores to 1e-5.
 """
 
 from __future__ import annotations
@@ -48,7 +47,7 @@ def run_host_sim(profile: str, chooser: str, vehicles: int, trial: int) -> tuple
     return [json.loads(line) for line in done.stdout.splitlines()], json.loads(done.stderr)
 
 
-# Smallest margins of a deciding comparison lie above 1e-6 relative in all of these (the reference records them).
+# In all of these the smallest margin of a deciding comparison lies above single precision (the reference records it).
 CASES = [
     ("paper", "naive", 200, 3),
     ("paper", "naive", 800, 0),

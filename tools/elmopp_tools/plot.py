@@ -30,8 +30,9 @@ and writes three figures, each as .png (150 dpi) and as .svg:
   longest_red      longest red that a waiting vehicle saw; the same panels
 
 Lines are means over the trials, shaded with the 95 % interval of the mean. With more than 12 different numbers of
-vehicles there are points instead of lines. Rows of other profiles and of choosers with options (itlc@ready=60) are
-left out. A figure without rows is not drawn, and a line on stdout says so."""
+vehicles each trial is a point instead. Left out are other profiles, choosers with options (itlc@ready=60) and those
+forecasts of the cumulative chooser that the figure names: they nearly coincide with the others. A figure without rows
+is not drawn, and a line on stdout says so."""
 
 EPILOG = """\
 Exit codes: 0 done; 2 a file or the request is wrong, with one line that says what and what would be right. Then no

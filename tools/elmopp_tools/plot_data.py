@@ -8,8 +8,10 @@ import json
 import math
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+from scipy import stats
 
 TEXT_COLUMNS = ("profile", "chooser", "forecast")
 COUNT_COLUMNS = ("vehicles", "trial", "seed")
@@ -49,6 +51,12 @@ class Row:
     trial: int
     seed: int
     metrics: dict[str, float]
+    beside: bool = False  # from beside.csv
+
+    @property
+    def family(self) -> str:
+        """The chooser without its options."""
+        return self.chooser.partition("@")[0]
 
     @property
     def name(self) -> str:
@@ -80,8 +88,11 @@ def read_results(folder: Path) -> list[Row]:
         raise PlotError(f"{trials}:2: no rows; right would be one row a trial below the header")
     beside = folder / "beside.csv"
     if beside.exists():
-        rows += _read(beside)
-    return list({row.key: row for row in reversed(rows)}.values())[::-1]
+        rows += [replace(row, beside=True) for row in _read(beside)]
+    unique: dict[tuple[str, str, int, int, int], Row] = {}
+    for row in rows:
+        unique.setdefault(row.key, row)
+    return list(unique.values())
 
 
 def points_of(rows: Iterable[Row], metric: str) -> list[Point]:
@@ -92,32 +103,10 @@ def points_of(rows: Iterable[Row], metric: str) -> list[Point]:
     return [_point(vehicles, values[vehicles]) for vehicles in sorted(values)]
 
 
-def student_quantile(probability: float, degrees: int) -> float:
-    """The t that Student's distribution stays below with this probability (0.5 or more), by bisection."""
-    low, high = 0.0, 1.0
-    while _student_cdf(high, degrees) < probability:
-        high *= 2.0
-    for _ in range(80):
-        middle = (low + high) / 2.0
-        if _student_cdf(middle, degrees) < probability:
-            low = middle
-        else:
-            high = middle
-    return (low + high) / 2.0
-
-
-def _student_cdf(t: float, degrees: int) -> float:
-    """The finite sums for whole degrees of freedom: Abramowitz and Stegun, 26.7.3 and 26.7.4."""
-    angle = math.atan(t / math.sqrt(degrees))
-    cosine, sine = math.cos(angle), math.sin(angle)
-    odd = degrees % 2 == 1
-    term = cosine if odd else 1.0
-    total = term if degrees > 1 else 0.0
-    for k in range(3 if odd else 2, degrees, 2):
-        term *= cosine * cosine * (k - 1) / k
-        total += term
-    both_sides = 2.0 / math.pi * (angle + sine * total) if odd else sine * total
-    return 0.5 + both_sides / 2.0
+def trials_of(rows: Iterable[Row], metric: str) -> list[Point]:
+    """One point for each trial, by rising number of vehicles."""
+    ordered = sorted(rows, key=lambda row: (row.vehicles, row.trial))
+    return [Point(row.vehicles, row.metrics[metric], 0.0, 1) for row in ordered]
 
 
 def _point(vehicles: int, values: list[float]) -> Point:
@@ -126,7 +115,7 @@ def _point(vehicles: int, values: list[float]) -> Point:
     if count == 1:
         return Point(vehicles, mean, 0.0, count)
     variance = math.fsum((value - mean) ** 2 for value in values) / (count - 1)
-    factor = student_quantile((1.0 + CONFIDENCE) / 2.0, count - 1)
+    factor = float(stats.t.ppf((1.0 + CONFIDENCE) / 2.0, count - 1))
     return Point(vehicles, mean, factor * math.sqrt(variance / count), count)
 
 

@@ -6,12 +6,14 @@
 Nothing here draws; see plot_draw.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import fmean
 
-from elmopp_tools.plot_data import Point, Row, points_of
+from elmopp_tools.plot_data import Point, Row, points_of, trials_of
 
-LINES_MAX_N = 12  # with more different numbers of vehicles there are points instead of lines
+# With more different numbers of vehicles each trial is a point: few of them would share a number and have a mean.
+LINES_MAX_N = 12
 
 # Of the cumulative chooser's forecasts, which all but coincide, those that say something: without one, with those
 # that are fitted, with a perfect one.
@@ -50,8 +52,22 @@ class Panel:
     lines: list[Line]
 
     @property
+    def ours(self) -> list[Line]:
+        return [line for line in self.lines if not line.printed]
+
+    @property
+    def counts(self) -> set[int]:
+        """The numbers of vehicles of our lines."""
+        return {point.vehicles for line in self.ours for point in line.points}
+
+    @property
     def scattered(self) -> bool:
-        return len({point.vehicles for line in self.lines if not line.printed for point in line.points}) > LINES_MAX_N
+        return len(self.counts) > LINES_MAX_N
+
+    @property
+    def single(self) -> bool:
+        """All at one number of vehicles: no line, but points side by side."""
+        return len(self.counts) == 1
 
 
 @dataclass(frozen=True)
@@ -61,10 +77,13 @@ class Figure:
     left_out: list[str]
 
     @property
+    def has_best(self) -> bool:
+        return any("@" in line.name for panel in self.panels for line in panel.ours)
+
+    @property
     def trials(self) -> set[int]:
         """How many trials the points stand for."""
-        lines = [line for panel in self.panels for line in panel.lines if not line.printed]
-        return {point.trials for line in lines for point in line.points}
+        return {point.trials for panel in self.panels for line in panel.ours for point in line.points}
 
     @property
     def has_printed(self) -> bool:
@@ -74,7 +93,7 @@ class Figure:
 BOTH = ("paper", "saturation")
 KINDS = (
     Kind("throughput", "Throughput", "throughput_veh_per_s", "vehicles/s", (*BOTH, "figure"), float("inf")),
-    Kind("delay", "Mean delay", "mean_delay_s", "seconds a vehicle", BOTH, 20.0),
+    Kind("delay", "Mean delay", "mean_delay_s", "seconds per vehicle", BOTH, 20.0),
     # A logarithmic axis of less than a factor three has hardly a round number on it.
     Kind("longest_red", "Longest red that a waiting vehicle saw", "longest_red_s", "seconds", BOTH, 3.0),
 )
@@ -82,7 +101,7 @@ KINDS = (
 TITLES = {
     "paper": "Profile paper: discharge by Greenshields, window 10 to 60 s",
     "saturation": "Profile saturation: queues leave at 0.5 vehicle/s a lane",
-    "figure": "Profile figure: the reading of the paper that fits its printed curve",
+    "figure": "Profile figure: the reading nearest to the printed curve of ELMOPP",
 }
 X_LABEL = "vehicles per approach, N"
 
@@ -102,15 +121,30 @@ PRINTED = {
 
 def make_figure(kind: Kind, rows: Sequence[Row]) -> Figure:
     """The panels for which there are rows; perhaps none."""
-    plain = [row for row in rows if "@" not in row.chooser and row.profile in kind.profiles]
+    here = [row for row in rows if row.profile in kind.profiles]
+    plain = [row for profile in kind.profiles for row in _with_best([row for row in here if row.profile == profile])]
     drawn = _without_twins(plain)
     panels = [
-        _panel(kind, profile, here)
+        _panel(kind, profile, lines)
         for profile in kind.profiles
-        if (here := [row for row in drawn if row.profile == profile])
+        if (lines := [row for row in drawn if row.profile == profile])
     ]
     kept = {row.name for row in drawn}
     return Figure(kind.title, panels, list(dict.fromkeys(row.name for row in plain if row.name not in kept)))
+
+
+def _with_best(rows: list[Row]) -> list[Row]:
+    """Each sweep of beside.csv gives way to its best value, by mean delay, which stands for the chooser."""
+    swept = {row.family for row in rows if row.beside and row.family != row.chooser}
+    best = {family: _best([row for row in rows if row.family == family]) for family in swept}
+    return [row for row in rows if best.get(row.family, row.chooser) == row.chooser]
+
+
+def _best(rows: list[Row]) -> str:
+    delays: dict[str, list[float]] = {}
+    for row in rows:
+        delays.setdefault(row.chooser, []).append(row.metrics["mean_delay_s"])
+    return min(delays, key=lambda chooser: fmean(delays[chooser]))
 
 
 def _without_twins(rows: list[Row]) -> list[Row]:
@@ -131,11 +165,12 @@ def _panel(kind: Kind, profile: str, rows: list[Row]) -> Panel:
     )
 
 
-def _ours(rows: Iterable[Row], metric: str) -> list[Line]:
+def _ours(rows: Sequence[Row], metric: str) -> list[Line]:
+    make_points = trials_of if len({row.vehicles for row in rows}) > LINES_MAX_N else points_of
     by_name: dict[tuple[str, str, str], list[Row]] = {}
     for row in rows:
         by_name.setdefault((row.name, row.chooser, row.forecast), []).append(row)
-    return [Line(*name, printed=False, points=points_of(here, metric)) for name, here in by_name.items()]
+    return [Line(*name, printed=False, points=make_points(here, metric)) for name, here in by_name.items()]
 
 
 def _printed() -> list[Line]:
