@@ -67,10 +67,11 @@ struct Block {
 /// What stands beside the paper's table: each rival's sweep, the profile of the printed figure and the literal
 /// algorithm.
 std::vector<Block> beside_blocks() {
-    const auto sweeps = parse_choosers(
-        "pressure@h=1,pressure@h=2,pressure@h=5,itlc@ready=5,itlc@ready=10,itlc@ready=20,itlc@ready=60,"
-        "itlc@ready=unlimited,oaf@platoon=2,oaf@platoon=5,oaf@platoon=20,oaf@platoon=40,oaf@platoon=80,fixed@green=10,"
-        "fixed@green=15,fixed@green=30,fixed@green=45");
+    const auto sweeps =
+        parse_choosers("pressure@h=1,pressure@h=2,pressure@h=5,itlc@ready=5,itlc@ready=10,itlc@ready=20,itlc@ready=60,"
+                       "itlc@ready=unlimited,oaf@platoon=2,oaf@platoon=5,oaf@platoon=20,oaf@platoon=40,oaf@platoon=80,"
+                       "oaf@platoon=160,fixed@green=10,"
+                       "fixed@green=15,fixed@green=30,fixed@green=45");
     return {{"paper", sweeps},
             {"saturation", sweeps},
             {"figure", parse_choosers("naive,cumulative:none,cumulative:ar8,cumulative:oracle,itlc,oaf")},

@@ -60,10 +60,18 @@ void write_line(std::ostream &out, const Second &second, bool full) {
 
 nlohmann::ordered_json summary_of(const Scenario &scenario, const ChooserSpec &chooser, const RunRequest &request,
                                   std::size_t seconds, const Metrics &metrics) {
-    nlohmann::ordered_json summary{{"profile", scenario.profile.name}, {"site", scenario.junction.name},
-                                   {"chooser", chooser.label()},       {"forecast", chooser.forecast},
-                                   {"vehicles", request.vehicles},     {"seed", request.seed},
-                                   {"trial", request.trial},           {"seconds", seconds}};
+    nlohmann::ordered_json summary{{"profile", scenario.profile.name},
+                                   {"site", scenario.junction.name},
+                                   {"chooser", chooser.label()},
+                                   {"forecast", chooser.forecast}};
+    if (request.trace) {
+        summary["trace"] = request.trace->string();
+    } else {
+        summary["vehicles"] = request.vehicles;
+        summary["seed"] = request.seed;
+        summary["trial"] = request.trial;
+    }
+    summary["seconds"] = seconds;
     for (const char *const name :
          {"throughput_veh_per_s", "served_share", "mean_delay_s", "longest_red_s", "switches",
           "figure_throughput_veh_per_s", "vehicles_in", "vehicles_out", "vehicles_queued", "vehicles_outside"}) {

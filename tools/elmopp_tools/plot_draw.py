@@ -68,7 +68,7 @@ def _sheet(figure: Figure) -> Sheet:
     height = HEAD + step * len(figure.panels) + foot
     sheet = Sheet(figsize=(WIDTH, height), dpi=PNG_DPI)
     sheet.text(LEFT / WIDTH, 1 - 0.12 / height, figure.title, size=12, weight="bold", va="top")
-    looks = looks_of([line for panel in figure.panels for line in panel.lines])
+    looks = looks_of([panel.lines for panel in figure.panels])
     for index, panel in enumerate(figure.panels):
         bottom = height - HEAD - index * step - ABOVE_PLOT - PLOT_HEIGHT
         axes = sheet.add_axes((LEFT / WIDTH, bottom / height, PLOT_WIDTH / WIDTH, PLOT_HEIGHT / height))

@@ -105,15 +105,18 @@ SPARE_COLORS = (SKY, GREY, GREEN, VERMILLION, PURPLE, BLACK)
 SPARE_MARKERS = ("P", "*", "<", ">", "h", "p", "d", "8")
 
 
-def looks_of(lines: Sequence[Line]) -> dict[str, Look]:
-    """The look of each line by its name."""
+def looks_of(panels: Sequence[Sequence[Line]]) -> dict[str, Look]:
+    """The look of each line by its name, the same in every panel."""
     looks: dict[str, Look] = {}
     spare = 0
-    for line in lines:
+    for line in (line for lines in panels for line in lines):
         if line.name in looks:
             continue
         look = _known(line)
-        if look is None or look in looks.values():
+        # Two of one kind may share a look only if no panel shows both.
+        together = [lines for lines in panels if any(other.name == line.name for other in lines)]
+        taken = {looks.get(other.name) for lines in together for other in lines}
+        if look is None or look in taken:
             color = SPARE_COLORS[spare % len(SPARE_COLORS)]
             marker = SPARE_MARKERS[spare % len(SPARE_MARKERS)]
             look = Look(color, marker, 5 + spare)

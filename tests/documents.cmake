@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+#
+# What takes a fast build: the documents against a fresh run of the main experiment, and, nightly, all that is built.
+
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    elmopp_add_python_test(NAME documents
+        COMMAND -m pytest -q -p no:cacheprovider tests/python/test_documents.py
+        LABELS sim generated TIMEOUT 600)
+    set_tests_properties(documents PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
+
+    add_test(NAME all_choosers
+        COMMAND host_sim experiment --profile paper,saturation,figure,literal --choosers all --no-figures
+            --out ${PROJECT_BINARY_DIR}/all_choosers)
+    set_tests_properties(all_choosers PROPERTIES LABELS "sim;nightly" TIMEOUT 1200)
+endif()
