@@ -9,10 +9,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 namespace elmopp {
 namespace {
 
+constexpr unsigned pressure_max_s = 600;
 const std::vector<std::string> urgency_options{"min",          "max",          "hysteresis=1", "frozen",
                                                "constant-age", "printed-sign", "stage-age",    "windowless"};
 
@@ -78,6 +80,14 @@ std::uint16_t seconds_or(const ChooserSpec &spec, const std::string &option, uns
     return static_cast<std::uint16_t>(value);
 }
 
+/// The window, each end held against the other: the message names the one that was given.
+std::pair<std::uint16_t, std::uint16_t> window_of(const ChooserSpec &spec, unsigned min_s, unsigned max_s,
+                                                  unsigned highest) {
+    const unsigned min_highest = spec.options.count("max") != 0 ? highest : std::min(max_s, highest);
+    const std::uint16_t shortest = seconds_or(spec, "min", min_s, 1, min_highest);
+    return {shortest, seconds_or(spec, "max", max_s, shortest, highest)};
+}
+
 float factor_or(const ChooserSpec &spec, const std::string &option, double otherwise) {
     const double value = number_or(spec, option, otherwise);
     if (!(value >= 1.0 && value <= 1e6)) {
@@ -97,8 +107,8 @@ elmopp_urgency_options_t urgency_options_of(const ChooserSpec &spec, const Scena
     const bool literal = scenario.profile.literal;
     const bool cumulative = spec.name == "cumulative";
     elmopp_urgency_options_t options{};
-    options.max_s = seconds_or(spec, "max", scenario.junction.hold_max_s, 1, ELMOPP_HORIZON_MAX);
-    options.min_s = seconds_or(spec, "min", literal ? 1U : scenario.junction.hold_min_s, 1, options.max_s);
+    std::tie(options.min_s, options.max_s) =
+        window_of(spec, literal ? 1U : scenario.junction.hold_min_s, scenario.junction.hold_max_s, ELMOPP_HORIZON_MAX);
     options.hysteresis = factor_or(spec, "hysteresis", 1.0);
     options.cumulative = cumulative;
     options.frozen = has(spec, "frozen");
@@ -109,10 +119,12 @@ elmopp_urgency_options_t urgency_options_of(const ChooserSpec &spec, const Scena
     return options;
 }
 
-elmopp_pressure_t pressure_of(const ChooserSpec &spec) {
-    const std::uint16_t max_s = seconds_or(spec, "max", ELMOPP_PRESSURE_MAX_S, 1, 600);
-    return {factor_or(spec, "h", static_cast<double>(ELMOPP_PRESSURE_RATIO)),
-            seconds_or(spec, "min", ELMOPP_PRESSURE_MIN_S, 1, max_s), max_s};
+/// The specification's window of pressure is for the paper's junction; a site's own window holds for every chooser.
+elmopp_pressure_t pressure_of(const ChooserSpec &spec, const Scenario &scenario) {
+    const unsigned site_min_s = scenario.own_site ? scenario.junction.hold_min_s : ELMOPP_PRESSURE_MIN_S;
+    const unsigned site_max_s = scenario.own_site ? scenario.junction.hold_max_s : ELMOPP_PRESSURE_MAX_S;
+    const auto [min_s, max_s] = window_of(spec, site_min_s, site_max_s, pressure_max_s);
+    return {factor_or(spec, "h", static_cast<double>(ELMOPP_PRESSURE_RATIO)), min_s, max_s};
 }
 
 } // namespace
@@ -154,6 +166,9 @@ ChooserSpec parse_chooser(const std::string &text) {
     for (std::size_t i = 1; i < words.size(); ++i) {
         const auto [name, value] = parse_option(words[i]);
         check_option(kind, name, value);
+        if (spec.options.count(name) != 0) {
+            throw BadRequest("option \"" + name + "\" is given twice in \"" + text + "\"; right would be once");
+        }
         spec.options[name] = value;
     }
     if (colon != std::string::npos) {
@@ -215,7 +230,8 @@ std::uint8_t forecast_kind(const std::string &name) {
 std::unique_ptr<Plugged> make_chooser(const ChooserSpec &spec, const Scenario &scenario) {
     auto plugged = std::make_unique<Plugged>();
     if (spec.name == "pressure") {
-        plugged->chooser = elmopp_pressure_init(&plugged->state.emplace<elmopp_pressure_t>(pressure_of(spec)));
+        plugged->chooser =
+            elmopp_pressure_init(&plugged->state.emplace<elmopp_pressure_t>(pressure_of(spec, scenario)));
     } else if (spec.name == "itlc") {
         plugged->chooser = plug(plugged->state.emplace<Itlc>(Itlc{number_or(spec, "ready", 30.0)}));
     } else if (spec.name == "oaf") {

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 
 namespace elmopp {
 namespace {
@@ -62,9 +63,21 @@ class Judge {
     }
 
   private:
+    /// A verdict needs the numbers of vehicles that the paper printed, all of them and no other.
+    [[nodiscard]] bool has_printed_grid(const Player &player, const std::string &profile) const {
+        std::set<unsigned> vehicles;
+        for (const auto &row : rows_) {
+            if (row.profile == profile && row.chooser == player.label && row.forecast == player.forecast) {
+                vehicles.insert(row.vehicles);
+            }
+        }
+        return vehicles == std::set<unsigned>{200, 400, 600, 800, 1000};
+    }
+
+    /// All of a player's trials; none if the printed grid was not run.
     [[nodiscard]] std::vector<double> pooled(const Player &player, const std::string &profile = "paper") const {
-        return player.label.empty() ? std::vector<double>()
-                                    : pick(rows_, {profile, player.label, player.forecast, 0}, throughput_);
+        return has_printed_grid(player, profile) ? pick(rows_, {profile, player.label, player.forecast, 0}, throughput_)
+                                                 : std::vector<double>();
     }
 
     [[nodiscard]] static std::string name(const Player &player) {
@@ -102,7 +115,7 @@ class Judge {
                 by_vehicles[row.vehicles].push_back(row.metrics.throughput_veh_per_s);
             }
         }
-        if (by_vehicles.size() < 2) {
+        if (!has_printed_grid(elmopp_, "paper")) {
             return missing("curve_falls", claim, printed);
         }
         std::vector<std::string> texts;
@@ -120,9 +133,10 @@ class Judge {
         return {"curve_falls", claim, printed, measured, verdict(falls)};
     }
 
-    [[nodiscard]] std::string test_text(const Player &a, const Player &b, const Welch &test) const {
+    [[nodiscard]] std::string test_text(const Player &a, const Player &b, const Welch &test, std::size_t n) const {
         return name(a) + " v. " + name(b) + ", pooled: t = " + format_number(test.t, 5) +
-               ", df = " + format_number(test.df, 4) + ", one-sided p = " + format_number(test.p_one_sided, 3);
+               ", df = " + format_number(test.df, 4) + ", one-sided p = " + format_number(test.p_one_sided, 3) +
+               ", n = " + std::to_string(n);
     }
 
     [[nodiscard]] Claim greater(const std::string &id, const std::string &claim, const Player &a,
@@ -133,7 +147,7 @@ class Judge {
             return missing(id, claim, printed);
         }
         const Welch test = welch(of_a, of_b);
-        return {id, claim, printed, test_text(a, b, test), verdict(test.p_one_sided < alpha)};
+        return {id, claim, printed, test_text(a, b, test, of_a.size()), verdict(test.p_one_sided < alpha)};
     }
 
     [[nodiscard]] Claim t_value(const std::string &id, double printed_t, const Player &a, const Player &b) const {
@@ -144,15 +158,19 @@ class Judge {
             return missing(id, claim, printed);
         }
         const Welch test = welch(of_a, of_b);
-        return {id, claim, printed, test_text(a, b, test),
+        return {id, claim, printed, test_text(a, b, test, of_a.size()),
                 verdict(std::abs(test.t - printed_t) <= t_tolerance * printed_t)};
     }
 
-    /// ELMOPP's delay less that of a chooser without a forecast, paired over all trials.
+    /// ELMOPP's delay less that of a chooser without a forecast, paired by trial: the numbers of vehicles of one trial
+    /// share its initial state and count once.
     [[nodiscard]] std::optional<Interval> saved(const Player &without) const {
+        if (!has_printed_grid(elmopp_, "paper") || !has_printed_grid(without, "paper")) {
+            return std::nullopt;
+        }
         const Metric &delay = find_metric("mean_delay_s");
-        const auto with = pick(rows_, {"paper", elmopp_.label, elmopp_.forecast, 0}, delay);
-        const auto other = pick(rows_, {"paper", without.label, without.forecast, 0}, delay);
+        const auto with = pick_by_trial(rows_, {"paper", elmopp_.label, elmopp_.forecast, 0}, delay);
+        const auto other = pick_by_trial(rows_, {"paper", without.label, without.forecast, 0}, delay);
         if (with.size() < 2 || with.size() != other.size()) {
             return std::nullopt;
         }
@@ -291,14 +309,20 @@ void write_claims(const std::filesystem::path &file, const std::vector<Claim> &c
 }
 
 double read_count_error(const std::filesystem::path &file) {
-    std::ifstream stream(file);
+    std::error_code ignored;
+    std::ifstream stream(std::filesystem::is_regular_file(file, ignored) ? file : std::filesystem::path());
     const auto scores = nlohmann::json::parse(stream, nullptr, false);
     const auto pointer = nlohmann::json::json_pointer("/pooled/count_error");
     if (!scores.is_object() || !scores.contains(pointer) || !scores.at(pointer).is_number()) {
         throw BadRequest("--count-scores " + file.string() +
                          ": no number at pooled.count_error; right would be a file of tools/score-counter");
     }
-    return scores.at(pointer).get<double>();
+    const double share = scores.at(pointer).get<double>();
+    if (!(share >= 0.0 && share <= 1.0)) {
+        throw BadRequest("--count-scores " + file.string() + ": pooled.count_error is " + format_number(share, 6) +
+                         "; right would be a share from 0 to 1");
+    }
+    return share;
 }
 
 } // namespace elmopp

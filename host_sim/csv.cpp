@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <string_view>
 
 namespace elmopp {
 
@@ -46,9 +47,17 @@ CsvTable read_csv(const std::filesystem::path &file) {
         }
         return text;
     };
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+    if (line.rfind(byte_order_mark, 0) == 0) {
+        line.erase(0, byte_order_mark.size());
+    }
     CsvTable table{file, split(without_return(line), ','), {}};
     while (std::getline(stream, line)) {
-        auto cells = split(without_return(line), ',');
+        const std::string text = without_return(line);
+        if (text.empty() && stream.peek() == std::ifstream::traits_type::eof()) {
+            break; // a blank line at the end
+        }
+        auto cells = split(text, ',');
         if (cells.size() != table.header.size()) {
             throw BadRequest(file.string() + ":" + std::to_string(table.rows.size() + 2) + ": " +
                              std::to_string(cells.size()) + " values; right would be " +

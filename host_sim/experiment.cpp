@@ -8,6 +8,7 @@
 #include "error.hpp"
 #include "jobs.hpp"
 #include "lyapunov.hpp"
+#include "output_folder.hpp"
 #include "results.hpp"
 #include "sites.hpp"
 #include "trial.hpp"
@@ -15,11 +16,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <iostream>
 #include <map>
-#include <system_error>
 
 namespace elmopp {
 namespace {
@@ -29,10 +28,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t seconds = simulated_points;
 constexpr std::size_t paper_approaches = 4;
 constexpr std::size_t lyapunov_steps = 400000;
-
-constexpr std::array<const char *, 11> result_files{"trials.csv", "summary.json",    "pairs.csv",      "claims.json",
-                                                    "beside.csv", "throughput.png",  "throughput.svg", "delay.png",
-                                                    "delay.svg",  "longest_red.png", "longest_red.svg"};
 
 /// One trajectory, ready for every number of vehicles: mapped, normalised, its AR(8) fitted.
 struct Source {
@@ -182,75 +177,43 @@ class Experiment {
     std::vector<Row> rows_;
 };
 
-/// A folder beside the wanted one that takes its place when all is well and goes when not.
-class OutputFolder {
-  public:
-    explicit OutputFolder(const fs::path &wanted) : wanted_(fs::absolute(wanted).lexically_normal()) {
-        if (!wanted_.has_filename()) {
-            wanted_ = wanted_.parent_path();
-        }
-        std::error_code error;
-        fs::create_directories(wanted_.parent_path(), error);
-        std::string pattern = wanted_.string() + ".XXXXXX";
-        const bool blocked = fs::exists(wanted_) && !fs::is_directory(wanted_);
-        if (error || blocked || mkdtemp(pattern.data()) == nullptr) {
-            throw BadRequest("--out " + wanted.string() +
-                             ": cannot be written; right would be a folder in which files can be made");
-        }
-        building_ = pattern;
-        // Made for its owner alone; results are for everybody.
-        fs::permissions(building_,
-                        fs::perms::group_read | fs::perms::group_exec | fs::perms::others_read | fs::perms::others_exec,
-                        fs::perm_options::add);
-    }
-    ~OutputFolder() {
-        std::error_code ignored;
-        fs::remove_all(building_, ignored);
-    }
-    OutputFolder(const OutputFolder &) = delete;
-    OutputFolder &operator=(const OutputFolder &) = delete;
-    OutputFolder(OutputFolder &&) = delete;
-    OutputFolder &operator=(OutputFolder &&) = delete;
-
-    [[nodiscard]] const fs::path &path() const {
-        return building_;
-    }
-
-    /// Moves each file to its place. Results of an earlier run that this one did not make go, other files stay.
-    void commit() const {
-        fs::create_directories(wanted_);
-        for (const auto *const name : result_files) {
-            if (!fs::exists(building_ / name)) {
-                fs::remove(wanted_ / name);
-            }
-        }
-        for (const auto &entry : fs::directory_iterator(building_)) {
-            fs::rename(entry.path(), wanted_ / entry.path().filename());
-        }
-    }
-
-  private:
-    fs::path wanted_;
-    fs::path building_;
-};
-
 Facts measure_facts(const ExperimentRequest &request) {
     Facts facts;
     const auto measure = [&facts](std::size_t which) {
         auto &exponents = which == 0 ? facts.exponents_rk4 : facts.exponents_euler;
         exponents = lyapunov_exponents(which == 0 ? Integrator::rk4 : Integrator::euler, lyapunov_steps);
     };
-    run_jobs(2, request.jobs, measure, {});
     if (request.count_scores) {
         facts.count_error = read_count_error(*request.count_scores);
     }
+    run_jobs(2, request.jobs, measure, {});
     return facts;
 }
 
-void draw(const fs::path &folder) {
-    const ToolResult result = run_tool("plot", {"--results", folder.string()});
+/// Everything that an experiment may write.
+const std::vector<fs::path> &result_files() {
+    static const std::vector<fs::path> names{"trials.csv", "summary.json",    "pairs.csv",      "claims.json",
+                                             "beside.csv", "throughput.png",  "throughput.svg", "delay.png",
+                                             "delay.svg",  "longest_red.png", "longest_red.svg"};
+    return names;
+}
+
+/// Ends a request for figures that cannot be drawn before anything has run.
+void check_plot() {
+    const ToolResult result = run_tool("plot", {"--help"});
     if (result.exit_code != 0) {
-        throw Failure("the figures could not be drawn (--no-figures leaves them out): " + result.last_line);
+        throw BadRequest("the figures cannot be drawn (--no-figures leaves them out): " + result.last_line);
+    }
+}
+
+void write_results(const fs::path &folder, const std::vector<Row> &rows, const std::vector<Row> &beside,
+                   const std::vector<Claim> &claims) {
+    write_trials(folder / "trials.csv", rows);
+    write_summary(folder / "summary.json", rows);
+    write_pairs(folder / "pairs.csv", rows);
+    write_claims(folder / "claims.json", claims);
+    if (!beside.empty()) {
+        write_trials(folder / "beside.csv", beside);
     }
 }
 
@@ -263,28 +226,26 @@ void print_claims(const std::vector<Claim> &claims) {
 } // namespace
 
 void run_experiment(const ExperimentRequest &request) {
-    Facts facts = measure_facts(request);
-    Experiment experiment(request);
-    const OutputFolder folder(request.out);
-    experiment.run();
-    const auto rows = experiment.main_rows();
-    const auto beside = experiment.beside_rows();
-    const auto claims = judge(rows, beside, facts);
-    write_trials(folder.path() / "trials.csv", rows);
-    write_summary(folder.path() / "summary.json", rows);
-    write_pairs(folder.path() / "pairs.csv", rows);
-    write_claims(folder.path() / "claims.json", claims);
-    if (request.beside) {
-        write_trials(folder.path() / "beside.csv", beside);
-    }
     if (request.figures) {
-        draw(folder.path());
+        check_plot();
     }
-    folder.commit();
+    Experiment experiment(request);
+    const OutputFolder folder(request.out, result_files());
+    const Facts facts = measure_facts(request);
+    experiment.run();
+    const auto claims = judge(experiment.main_rows(), experiment.beside_rows(), facts);
+    write_results(folder.drafts(), experiment.main_rows(), experiment.beside_rows(), claims);
+    const ToolResult drawn =
+        request.figures ? run_tool("plot", {"--results", folder.drafts().string()}) : ToolResult{0, {}};
+    std::string names;
+    for (const auto &name : folder.commit()) {
+        names += " " + name.string();
+    }
     print_claims(claims);
-    std::cout << "\nWritten to " << request.out.string() << ": trials.csv summary.json pairs.csv claims.json"
-              << (request.beside ? " beside.csv" : "")
-              << (request.figures ? " throughput.png delay.png longest_red.png (and .svg)" : "") << "\n";
+    std::cout << "\nWritten to " << request.out.string() << ":" << names << "\n";
+    if (drawn.exit_code != 0) {
+        throw Failure("the figures could not be drawn: " + drawn.last_line);
+    }
 }
 
 } // namespace elmopp

@@ -13,6 +13,7 @@ namespace elmopp {
 namespace {
 
 constexpr double escape = 1e6;
+constexpr double most_vehicles_per_s = 10000.0;
 
 State along(const State &s, const State &slope, double step) {
     return {s[0] + step * slope[0], s[1] + step * slope[1], s[2] + step * slope[2], s[3] + step * slope[3]};
@@ -131,9 +132,9 @@ Series read_trace(const std::filesystem::path &file, const std::vector<std::stri
         }
         for (std::size_t i = 0; i < approaches.size(); ++i) {
             const double value = table.number(row, i + 1);
-            if (value < 0.0) {
+            if (value < 0.0 || value > most_vehicles_per_s) {
                 throw BadRequest(table.place(row, i + 1) + ": \"" + table.rows[row][i + 1] +
-                                 "\"; right would be a number of vehicles, 0 or more");
+                                 "\"; right would be a number of vehicles from 0 to 10000");
             }
             series[i].push_back(value);
         }

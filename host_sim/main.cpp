@@ -8,6 +8,7 @@
 #include "csv.hpp"
 #include "error.hpp"
 #include "experiment.hpp"
+#include "jobs.hpp"
 #include "run.hpp"
 #include "scenario.hpp"
 
@@ -28,6 +29,7 @@ constexpr int exit_bad_request = 2;
 constexpr double most_vehicles = 100000.0;
 constexpr double most_trials = 100000.0;
 constexpr double most_jobs = 1024.0;
+constexpr double largest_share = 1e6;
 constexpr double largest_seed = 4294967295.0; ///< the seed is the upper half of the generator's state
 
 /// A whole number in a range. Throws BadRequest naming option and value.
@@ -44,23 +46,32 @@ unsigned vehicles_of(const std::string &text) {
     return static_cast<unsigned>(whole("--vehicles", text, 1, most_vehicles));
 }
 
+/// What is asked for twice is run once.
+template <typename Value> std::vector<Value> distinct(const std::vector<Value> &values) {
+    std::vector<Value> once;
+    for (const auto &value : values) {
+        if (std::find(once.begin(), once.end(), value) == once.end()) {
+            once.push_back(value);
+        }
+    }
+    return once;
+}
+
 double share_of(const std::string &word) {
     double share = 0.0;
-    if (!parse_number(word, share) || share < 0.0) {
-        throw BadRequest("--split \"" + word + "\": right would be numbers of 0 or more, such as 0.2,0.6,0.2");
+    if (!parse_number(word, share) || share < 0.0 || share > largest_share) {
+        throw BadRequest("--split \"" + word + "\": right would be numbers from 0 to 1000000, such as 0.2,0.6,0.2");
     }
     return share;
 }
 
-std::vector<double> split_of(const std::string &text) {
+/// Empty if it was not given.
+std::vector<double> split_of(const CLI::App &command, const std::string &text) {
     std::vector<double> shares;
-    if (text.empty()) {
-        return shares;
-    }
-    for (const auto &word : split(text, ',')) {
+    for (const auto &word : command.count("--split") == 0 ? std::vector<std::string>() : split(text, ',')) {
         shares.push_back(share_of(word));
     }
-    if (*std::max_element(shares.begin(), shares.end()) <= 0.0) {
+    if (!shares.empty() && *std::max_element(shares.begin(), shares.end()) <= 0.0) {
         throw BadRequest("--split \"" + text + "\": the shares add up to 0; right would be at least one above 0");
     }
     return shares;
@@ -84,8 +95,9 @@ Integrator integrator_of(const std::string &text) {
     return one_of<Integrator>("--integrator", text, {{"rk4", Integrator::rk4}, {"euler", Integrator::euler}});
 }
 
-template <typename Value> std::optional<Value> given(const CLI::Option *option, const Value &value) {
-    return option->count() > 0 ? std::optional<Value>(value) : std::nullopt;
+/// The value if the option was given.
+template <typename Value> std::optional<Value> given(const CLI::App &command, const char *option, const Value &value) {
+    return command.count(option) > 0 ? std::optional<Value>(value) : std::nullopt;
 }
 
 /// Every option as text: what it may be is said by our own messages, in one place.
@@ -123,9 +135,8 @@ Mapping mapping_of(const std::string &text) {
     return one_of<Mapping>("--mapping", text, {{"abs", Mapping::abs}, {"shift", Mapping::shift}});
 }
 
-unsigned jobs_of(const std::string &text) {
-    return text.empty() ? std::max(1U, std::thread::hardware_concurrency())
-                        : static_cast<unsigned>(whole("--jobs", text, 1, most_jobs));
+unsigned default_jobs() {
+    return std::max(1U, std::thread::hardware_concurrency());
 }
 
 void add_traffic_options(CLI::App *command, Texts &texts) {
@@ -137,115 +148,103 @@ void add_traffic_options(CLI::App *command, Texts &texts) {
         ->type_name("SHARES");
 }
 
+std::vector<unsigned> vehicles_list(const std::string &text) {
+    std::vector<unsigned> vehicles;
+    for (const auto &word : text == "random" ? std::vector<std::string>() : split(text, ',')) {
+        vehicles.push_back(vehicles_of(word));
+    }
+    return distinct(vehicles);
+}
+
+ExperimentRequest experiment_request(const CLI::App &command, const Texts &texts) {
+    ExperimentRequest request;
+    const auto has = [&command](const char *option) { return command.count(option) > 0; };
+    request.profiles = distinct(split(texts.profile, ','));
+    request.choosers = has("--choosers") ? parse_choosers(texts.choosers) : request.choosers;
+    request.vehicles = has("--vehicles") ? vehicles_list(texts.vehicles) : request.vehicles;
+    request.trials = whole("--trials", texts.trials, 1, most_trials);
+    request.seed = whole("--seed", texts.seed, 0, largest_seed);
+    request.jobs = has("--jobs") ? static_cast<unsigned>(whole("--jobs", texts.jobs, 1, most_jobs)) : default_jobs();
+    request.out = texts.out;
+    request.split = split_of(command, texts.split);
+    request.mapping = mapping_of(texts.mapping);
+    request.integrator = given(command, "--integrator", integrator_of(texts.integrator));
+    request.count_scores = given(command, "--count-scores", std::filesystem::path(texts.count_scores));
+    // A part of the table needs no comparison with the rest of the house.
+    request.beside = !has("--profile") && !has("--choosers") && !has("--vehicles");
+    request.figures = !texts.no_figures;
+    return request;
+}
+
 void add_experiment(CLI::App &app, Texts &texts) {
     auto *command = app.add_subcommand(
         "experiment", "The paper's evaluation: every chooser on the same trials; table, figures, claims");
-    command->add_option("--profile", texts.profile, "Profiles, comma-separated (host_sim list)")
-        ->type_name("LIST")
-        ->capture_default_str();
-    command->add_option(
-        "--choosers", texts.choosers,
-        "Choosers NAME[@OPTION=VALUE][:FORECAST], comma-separated, or all (default: the paper's table)");
-    command->add_option(
-        "--vehicles", texts.vehicles,
-        "Vehicles per approach, comma-separated, or random for 200..1000 (default: 200,400,600,800,1000)");
-    command->add_option("--trials", texts.trials, "Initial conditions for each number of vehicles")
-        ->type_name("N")
-        ->capture_default_str();
-    command->add_option("--jobs", texts.jobs, "Trials at the same time (default: one a core); changes no result")
-        ->type_name("N");
-    command->add_option("--out", texts.out, "Folder for the results")->type_name("DIR")->capture_default_str();
-    command->add_option("--count-scores", texts.count_scores, "Scores of the camera, for the claim about counting")
-        ->type_name("FILE");
-    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)")
-                           ->type_name("NAME");
+    const auto option = [command](const char *name, std::string &text, const char *type, const std::string &what) {
+        return command->add_option(name, text, what)->type_name(type);
+    };
+    option("--profile", texts.profile, "LIST", "Profiles, comma-separated (host_sim list)")->capture_default_str();
+    option("--choosers", texts.choosers, "LIST",
+           "Choosers NAME[@OPTION=VALUE][:FORECAST], comma-separated, or all (default: the paper's table)");
+    option("--vehicles", texts.vehicles, "LIST",
+           "Vehicles per approach, comma-separated, or random for 200..1000 (default: 200,400,600,800,1000)");
+    option("--trials", texts.trials, "N", "Initial conditions for each number of vehicles")->capture_default_str();
+    option("--jobs", texts.jobs, "N", "Trials at the same time (default: one a core); changes no result");
+    option("--out", texts.out, "DIR", "Folder for the results")->capture_default_str();
+    option("--count-scores", texts.count_scores, "FILE", "Scores of the camera, for the claim about counting");
+    option("--integrator", texts.integrator, "NAME", "rk4 or euler (default: the profile's)");
     command->add_flag("--no-figures", texts.no_figures, "Leave the figures out");
     add_traffic_options(command, texts);
-    command->callback([command, integrator, &texts] {
-        ExperimentRequest request;
-        request.profiles = split(texts.profile, ',');
-        if (!texts.choosers.empty()) {
-            request.choosers = parse_choosers(texts.choosers);
-        }
-        if (texts.vehicles == "random") {
-            request.vehicles.clear();
-        } else if (!texts.vehicles.empty()) {
-            request.vehicles.clear();
-            for (const auto &word : split(texts.vehicles, ',')) {
-                request.vehicles.push_back(vehicles_of(word));
-            }
-        }
-        request.trials = whole("--trials", texts.trials, 1, most_trials);
-        request.seed = whole("--seed", texts.seed, 0, largest_seed);
-        request.jobs = jobs_of(texts.jobs);
-        request.out = texts.out;
-        request.split = split_of(texts.split);
-        request.mapping = mapping_of(texts.mapping);
-        request.integrator = given(integrator, integrator_of(texts.integrator));
-        if (!texts.count_scores.empty()) {
-            request.count_scores = texts.count_scores;
-        }
-        // A part of the table needs no comparison with the rest of the house.
-        request.beside = command->count("--profile") + command->count("--choosers") + command->count("--vehicles") == 0;
-        request.figures = !texts.no_figures;
-        run_experiment(request);
-    });
+    command->callback([command, &texts] { run_experiment(experiment_request(*command, texts)); });
+}
+
+RunRequest run_request(const CLI::App &command, const Texts &texts) {
+    RunRequest request;
+    const auto has = [&command](const char *option) { return command.count(option) > 0; };
+    if (has("--trace") && has("--vehicles")) {
+        throw BadRequest("--vehicles " + texts.vehicles + " with --trace " + texts.trace +
+                         ": right would be one of the two, a trace has its own vehicles");
+    }
+    request.profile = given(command, "--profile", texts.run_profile);
+    request.site = given(command, "--site", std::filesystem::path(texts.site));
+    request.chooser = given(command, "--chooser", texts.chooser);
+    request.vehicles = has("--vehicles") ? vehicles_of(texts.vehicles) : request.vehicles;
+    request.seed = whole("--seed", texts.seed, 0, largest_seed);
+    request.trial = whole("--trial", texts.trial, 0, largest_seed);
+    request.trace = given(command, "--trace", std::filesystem::path(texts.trace));
+    if (has("--seconds")) {
+        request.seconds = whole("--seconds", texts.seconds, 1, 1e7);
+    }
+    request.log = given(command, "--log", std::filesystem::path(texts.log));
+    request.full = texts.full;
+    request.summary = given(command, "--summary", std::filesystem::path(texts.summary));
+    request.split = split_of(command, texts.split);
+    request.mapping = mapping_of(texts.mapping);
+    request.integrator = given(command, "--integrator", integrator_of(texts.integrator));
+    (void)one_of<bool>("--link", texts.link, {{"inproc", true}});
+    return request;
 }
 
 void add_run(CLI::App &app, Texts &texts) {
     auto *command = app.add_subcommand("run", "One trial, with a decision log if asked for");
-    auto *profile = command
-                        ->add_option("--profile", texts.run_profile,
-                                     "Inflow and discharge (default: paper; with --site alone saturation)")
-                        ->type_name("NAME");
-    auto *site = command->add_option("--site", texts.site, "Junction, a .toml or .bin site file (default: the paper's)")
-                     ->type_name("FILE");
-    auto *chooser =
-        command->add_option("--chooser", texts.chooser, "NAME[@OPTION=VALUE][:FORECAST] (default: the site's)")
-            ->type_name("CHOOSER");
-    auto *vehicles =
-        command->add_option("--vehicles", texts.vehicles, "Vehicles per approach (default: 800)")->type_name("N");
-    command->add_option("--trial", texts.trial, "Which of the seed's initial conditions")
-        ->type_name("N")
-        ->capture_default_str();
-    auto *trace =
-        command
-            ->add_option("--trace", texts.trace,
-                         "Recorded traffic instead: CSV with t_s and a column an approach, vehicles per second")
-            ->type_name("FILE");
-    auto *seconds =
-        command->add_option("--seconds", texts.seconds, "Length (default: 2000, or the trace's)")->type_name("N");
-    auto *log = command->add_option("--log", texts.log, "Decision log, JSON lines; - is stdout")->type_name("FILE");
+    const auto option = [command](const char *name, std::string &text, const char *type, const std::string &what) {
+        return command->add_option(name, text, what)->type_name(type);
+    };
+    option("--profile", texts.run_profile, "NAME",
+           "Inflow and discharge (default: paper; with --site alone saturation)");
+    option("--site", texts.site, "FILE", "Junction, a .toml or .bin site file (default: the paper's)");
+    option("--chooser", texts.chooser, "CHOOSER", "NAME[@OPTION=VALUE][:FORECAST] (default: the site's)");
+    option("--vehicles", texts.vehicles, "N", "Vehicles per approach (default: 800)");
+    option("--trial", texts.trial, "N", "Which of the seed's initial conditions")->capture_default_str();
+    option("--trace", texts.trace, "FILE",
+           "Recorded traffic instead: CSV with t_s and a column an approach, vehicles per second");
+    option("--seconds", texts.seconds, "N", "Length (default: 2000, or the trace's)");
+    option("--log", texts.log, "FILE", "Decision log, JSON lines; - is stdout");
     command->add_flag("--full", texts.full, "Queues, reds and departures in the log too");
-    auto *summary =
-        command->add_option("--summary", texts.summary, "Metrics as JSON (default: stdout)")->type_name("FILE");
-    command->add_option("--link", texts.link, "How core and traffic are joined: inproc")
-        ->type_name("NAME")
-        ->capture_default_str();
-    auto *integrator = command->add_option("--integrator", texts.integrator, "rk4 or euler (default: the profile's)")
-                           ->type_name("NAME");
+    option("--summary", texts.summary, "FILE", "Metrics as JSON (default: stdout, or stderr if the log is there)");
+    option("--link", texts.link, "NAME", "How core and traffic are joined: inproc")->capture_default_str();
+    option("--integrator", texts.integrator, "NAME", "rk4 or euler (default: the profile's)");
     add_traffic_options(command, texts);
-    command->callback([=, &texts] {
-        RunRequest request;
-        request.profile = given(profile, texts.run_profile);
-        request.site = given(site, std::filesystem::path(texts.site));
-        request.chooser = given(chooser, texts.chooser);
-        request.vehicles = vehicles->count() > 0 ? vehicles_of(texts.vehicles) : request.vehicles;
-        request.seed = whole("--seed", texts.seed, 0, largest_seed);
-        request.trial = whole("--trial", texts.trial, 0, largest_seed);
-        request.trace = given(trace, std::filesystem::path(texts.trace));
-        if (seconds->count() > 0) {
-            request.seconds = whole("--seconds", texts.seconds, 1, 1e7);
-        }
-        request.log = given(log, std::filesystem::path(texts.log));
-        request.full = texts.full;
-        request.summary = given(summary, std::filesystem::path(texts.summary));
-        request.split = split_of(texts.split);
-        request.mapping = mapping_of(texts.mapping);
-        request.integrator = given(integrator, integrator_of(texts.integrator));
-        (void)one_of<bool>("--link", texts.link, {{"inproc", true}});
-        run_once(request);
-    });
+    command->callback([command, &texts] { run_once(run_request(*command, texts)); });
 }
 
 void add_inflow(CLI::App &app, Texts &texts) {
@@ -284,8 +283,8 @@ void add_inflow(CLI::App &app, Texts &texts) {
 void add_bench(CLI::App &app, Texts &texts) {
     auto *command =
         app.add_subcommand("bench", "Simulated seconds a second, per chooser, and the speed-up of two jobs");
-    auto *json = command->add_option("--json", texts.json, "File for the figures")->type_name("FILE");
-    command->callback([json, &texts] { run_bench(given(json, std::filesystem::path(texts.json))); });
+    command->add_option("--json", texts.json, "File for the figures")->type_name("FILE");
+    command->callback([command, &texts] { run_bench(given(*command, "--json", std::filesystem::path(texts.json))); });
 }
 
 nlohmann::ordered_json built() {
@@ -331,6 +330,19 @@ void add_list(CLI::App &app, Texts &texts) {
     });
 }
 
+/// CLI11 would only say that a subcommand is required.
+void check_command(const CLI::App &app, const std::string &word) {
+    std::vector<std::string> names;
+    for (const auto *const command : app.get_subcommands({})) {
+        names.push_back(command->get_name());
+    }
+    const bool known = std::find(names.begin(), names.end(), word) != names.end();
+    if (!known && word != "-h" && word != "--help") {
+        throw BadRequest((word.empty() ? "no command" : "unknown command \"" + word + "\"") +
+                         "; right would be one of " + join(names, ", ") + " or --help");
+    }
+}
+
 int run(int argc, char **argv) {
     CLI::App app{"host_sim: replays hyperchaotic traffic at one junction and lets the firmware's own core, or a rival, "
                  "run its signals."};
@@ -339,18 +351,23 @@ int run(int argc, char **argv) {
                "out/experiment/throughput.png");
     app.require_subcommand(1);
     app.get_formatter()->column_width(28);
+    catch_interrupts();
     Texts texts;
     add_experiment(app, texts);
     add_run(app, texts);
     add_inflow(app, texts);
     add_bench(app, texts);
     add_list(app, texts);
+    check_command(app, argc > 1 ? argv[1] : "");
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success &success) {
         return app.exit(success);
     } catch (const CLI::ParseError &error) {
         throw BadRequest(std::string(error.what()) + " (host_sim --help, host_sim COMMAND --help)");
+    }
+    if (!std::cout.flush() || std::fflush(stdout) != 0) {
+        throw Failure("stdout could not be written");
     }
     return 0;
 }

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 namespace elmopp {
 namespace {
@@ -81,7 +82,8 @@ void write_pair(std::ofstream &out, const std::vector<Row> &rows, const std::str
         if (of_a.size() != of_b.size()) {
             continue; // different trials: nothing to pair
         }
-        const Interval interval = paired_interval(of_a, of_b);
+        const Interval interval = paired_interval(pick_by_trial(rows, {profile, a.first, a.second, vehicles}, metric),
+                                                  pick_by_trial(rows, {profile, b.first, b.second, vehicles}, metric));
         const Welch test = welch(of_a, of_b);
         out << profile << ',' << (vehicles == 0 ? "pooled" : std::to_string(vehicles)) << ',' << text_of(a) << ','
             << text_of(b) << ',' << metric.name;
@@ -109,18 +111,35 @@ const Metric &find_metric(const std::string &name) {
     throw BadRequest("unknown metric \"" + name + "\"");
 }
 
+static bool fits(const Row &row, const Selection &selection) {
+    return (selection.profile.empty() || row.profile == selection.profile) &&
+           (selection.chooser.empty() || row.chooser == selection.chooser) &&
+           (selection.forecast.empty() || row.forecast == selection.forecast) &&
+           (selection.vehicles == 0 || row.vehicles == selection.vehicles);
+}
+
 std::vector<double> pick(const std::vector<Row> &rows, const Selection &selection, const Metric &metric) {
     std::vector<double> values;
     for (const auto &row : rows) {
-        const bool fits = (selection.profile.empty() || row.profile == selection.profile) &&
-                          (selection.chooser.empty() || row.chooser == selection.chooser) &&
-                          (selection.forecast.empty() || row.forecast == selection.forecast) &&
-                          (selection.vehicles == 0 || row.vehicles == selection.vehicles);
-        if (fits) {
+        if (fits(row, selection)) {
             values.push_back(row.metrics.*metric.value);
         }
     }
     return values;
+}
+
+std::vector<double> pick_by_trial(const std::vector<Row> &rows, const Selection &selection, const Metric &metric) {
+    std::map<std::uint64_t, std::vector<double>> by_trial;
+    for (const auto &row : rows) {
+        if (fits(row, selection)) {
+            by_trial[row.trial].push_back(row.metrics.*metric.value);
+        }
+    }
+    std::vector<double> means;
+    for (const auto &[trial, values] : by_trial) {
+        means.push_back(summarize(values).mean);
+    }
+    return means;
 }
 
 void write_trials(const std::filesystem::path &file, const std::vector<Row> &rows) {

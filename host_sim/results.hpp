@@ -48,6 +48,9 @@ struct Selection {
 /// The metric of the selected rows, in the rows' order.
 std::vector<double> pick(const std::vector<Row> &rows, const Selection &selection, const Metric &metric);
 
+/// The metric of the selected rows, averaged over the numbers of vehicles of each trial, by trial.
+std::vector<double> pick_by_trial(const std::vector<Row> &rows, const Selection &selection, const Metric &metric);
+
 /// Writes trials.csv as spec'd: the same rows give the same bytes.
 void write_trials(const std::filesystem::path &file, const std::vector<Row> &rows);
 
@@ -57,7 +60,9 @@ std::vector<Row> read_trials(const std::filesystem::path &file);
 /// summary.json: mean, trial sd and n for each profile, chooser, forecast, vehicles and metric.
 void write_summary(const std::filesystem::path &file, const std::vector<Row> &rows);
 
-/// pairs.csv: every pair of choosers, per number of vehicles and pooled, paired by trial; Welch beside it.
+/// pairs.csv: every pair of choosers, per number of vehicles and pooled. diff and its 95 % interval are paired by
+/// trial (pooled: of the means over the numbers of vehicles); t, df and p are Welch's over all values, as the paper
+/// pools.
 void write_pairs(const std::filesystem::path &file, const std::vector<Row> &rows);
 
 } // namespace elmopp

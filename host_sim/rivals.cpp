@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 namespace elmopp {
 namespace {
@@ -85,7 +86,9 @@ elmopp_stage_t choose_itlc(void *state, const elmopp_view_t *view, float *score)
 
 /// One more second of arrivals; who is no longer inside has left, oldest first.
 void keep_clock(Oaf::Lane &lane, double now_s, double arrived_veh, double queue_veh) {
-    lane.waiting.push_back({now_s, arrived_veh});
+    if (arrived_veh > 0.0) {
+        lane.waiting.push_back({now_s, arrived_veh});
+    }
     lane.total_veh += arrived_veh;
     double left_veh = lane.total_veh - queue_veh;
     while (left_veh > 0.0 && !lane.waiting.empty()) {
@@ -116,33 +119,52 @@ double head_age_s(const Oaf &self, const elmopp_view_t &view, std::size_t moveme
     return has_head ? self.now_s - self.lanes[movement].waiting.front().at_s : -1.0;
 }
 
+/// The lane whose head came first, the lowest among equals; none if nobody waits.
+std::optional<std::size_t> oldest_lane(const Oaf &self, const elmopp_view_t &view) {
+    std::optional<std::size_t> oldest;
+    for (std::size_t j = 0; j < view.junction->movement_count; ++j) {
+        const double age_s = head_age_s(self, view, j);
+        if (age_s >= 0.0 && (!oldest || age_s > head_age_s(self, view, *oldest))) {
+            oldest = j;
+        }
+    }
+    return oldest;
+}
+
+/// Among the stages that serve the lane the one with the largest sum of head ages, which becomes their score.
+elmopp_stage_t stage_for(const Oaf &self, const elmopp_view_t &view, std::size_t lane, float *score) {
+    elmopp_stage_t best = ELMOPP_STAGE_NONE;
+    for (std::size_t s = 0; s < view.junction->stage_count; ++s) {
+        double ages_s = 0.0;
+        bool holds_lane = false;
+        for_served(view, s, [&](std::size_t j) {
+            ages_s += std::max(0.0, head_age_s(self, view, j));
+            holds_lane = holds_lane || j == lane;
+        });
+        if (holds_lane) {
+            score[s] = static_cast<float>(ages_s);
+            best = best == ELMOPP_STAGE_NONE || score[s] > score[best] ? static_cast<elmopp_stage_t>(s) : best;
+        }
+    }
+    return best;
+}
+
 elmopp_stage_t choose_oaf(void *state, const elmopp_view_t *view, float *score) {
     auto &self = *static_cast<Oaf *>(state);
     keep_clocks(self, *view);
-    std::size_t oldest = 0;
-    for (std::size_t j = 1; j < view->junction->movement_count; ++j) {
-        oldest = head_age_s(self, *view, j) > head_age_s(self, *view, oldest) ? j : oldest;
-    }
     std::fill_n(score, ELMOPP_STAGE_MAX, 0.0F);
-    for (std::size_t s = 0; s < view->junction->stage_count; ++s) {
-        double ages = 0.0;
-        bool holds_oldest = false;
-        for_served(*view, s, [&](std::size_t j) {
-            ages += std::max(0.0, head_age_s(self, *view, j));
-            holds_oldest = holds_oldest || j == oldest;
-        });
-        score[s] = holds_oldest ? static_cast<float>(ages) : 0.0F;
-    }
+    const auto lane = oldest_lane(self, *view);
+    const bool begin = view->target == ELMOPP_STAGE_NONE;
+    const elmopp_stage_t stay = begin ? elmopp_stage_t{0} : view->target;
+    const elmopp_stage_t chosen = lane ? stage_for(self, *view, *lane, score) : stay;
     if (!decision_is_due(*view, self.left_s)) {
         return view->target;
     }
-    const bool nobody = head_age_s(self, *view, oldest) < 0.0;
-    const bool begin = view->target == ELMOPP_STAGE_NONE;
-    const elmopp_stage_t stay = begin ? elmopp_stage_t{0} : view->target;
-    const elmopp_stage_t chosen = nobody ? stay : argmax(score, view->junction->stage_count);
-    const double lost_s = chosen != view->target ? startup_s(*view, oldest) : 0.0;
-    self.left_s = whole_seconds(crossing_s(*view, oldest, std::min(queue_of(*view, oldest), self.platoon_veh)) + lost_s,
-                                oaf_green_min_s);
+    double green_s = chosen != view->target ? startup_s(*view, lane.value_or(0)) : 0.0;
+    if (lane) {
+        green_s += crossing_s(*view, *lane, std::min(queue_of(*view, *lane), self.platoon_veh));
+    }
+    self.left_s = whole_seconds(green_s, oaf_green_min_s);
     return chosen;
 }
 

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
+#include <system_error>
 
 namespace elmopp {
 namespace {
@@ -107,8 +108,13 @@ Generated generate(const RunRequest &request, const Scenario &scenario) {
     return generated;
 }
 
+bool is_same_file(const fs::path &a, const fs::path &b) {
+    std::error_code ignored;
+    return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
+}
+
 std::size_t checked_seconds(const RunRequest &request, std::size_t available) {
-    const std::size_t seconds = request.seconds.value_or(std::min(available, simulated_points));
+    const std::size_t seconds = request.seconds.value_or(available);
     if (seconds < 1 || seconds > available) {
         throw BadRequest("--seconds " + std::to_string(seconds) + ": right would be 1 to " + std::to_string(available) +
                          (request.trace ? ", the length of the trace" : ""));
@@ -130,11 +136,16 @@ void run_once(const RunRequest &request) {
     // A trace has no training points: the regression comes from the generated traffic, its demand scale from a running
     // mean.
     const Demand demand = make_demand(unit, each, origin, generated.ar8, !request.trace, seconds);
+    if (request.log && request.summary && is_same_file(*request.log, *request.summary)) {
+        throw BadRequest("--log and --summary are both \"" + request.log->string() + "\"; right would be two files");
+    }
     std::optional<WholeFile> log;
     if (request.log) {
         log.emplace("--log", *request.log);
     }
-    WholeFile summary("--summary", request.summary.value_or(fs::path("-")));
+    // The log on stdout keeps it for itself.
+    const fs::path beside_log = request.log == fs::path("-") ? "/dev/stderr" : "-";
+    WholeFile summary("--summary", request.summary.value_or(beside_log));
     Observer observer;
     if (log) {
         observer = [&](const Second &second) { write_line(log->out(), second, request.full); };

@@ -77,9 +77,12 @@ std::vector<std::string> Scenario::approach_names() const {
 
 Scenario make_scenario(const Profile &profile, const elmopp_junction_t *site, const std::vector<double> &split) {
     const bool paper = site == nullptr;
-    Scenario scenario{profile, paper ? elmopp_site_paper : *site, {}, {}};
+    Scenario scenario{profile, !paper, paper ? elmopp_site_paper : *site, {}, {}};
     elmopp_junction_t &junction = scenario.junction;
     junction.discharge = static_cast<std::uint8_t>(profile.discharge);
+    if (profile.discharge != ELMOPP_DISCHARGE_SATURATION) {
+        junction.simulation_only = 1; // no street discharges like that
+    }
     junction.free_flow_m_per_s = paper_free_flow_m_per_s;
     if (profile.hold_s) {
         junction.hold_min_s = static_cast<std::uint16_t>(profile.hold_s->first);

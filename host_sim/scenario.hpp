@@ -36,6 +36,7 @@ const Profile &find_profile(const std::string &name);
 
 struct Scenario {
     Profile profile;
+    bool own_site;                    ///< a site file's junction, not the paper's
     elmopp_junction_t junction;       ///< the site with the profile's discharge and window
     std::vector<double> capacity_veh; ///< [movement], in double
     std::vector<double> share;        ///< [movement] of its approach's inflow

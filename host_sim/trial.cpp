@@ -5,6 +5,7 @@
 
 #include "autoregression.hpp"
 #include "error.hpp"
+#include "jobs.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -183,6 +184,7 @@ Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const De
     std::vector<double> flowing(scenario.capacity_veh.size());
     std::vector<double> red_s(scenario.capacity_veh.size());
     for (std::size_t t = 0; t < seconds; ++t) {
+        check_interrupt();
         for (std::size_t i = 0; i < inflow.size(); ++i) {
             inflow[i] = demand.veh_per_s[i][demand.origin + t];
         }

@@ -5,6 +5,9 @@
 
 #include "error.hpp"
 
+#include <unistd.h>
+
+#include <cstdlib>
 #include <iostream>
 #include <system_error>
 
@@ -13,26 +16,51 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Where a link leads, so that the file is replaced and not the link.
+fs::path resolved(const fs::path &file) {
+    std::error_code error;
+    const fs::path target = fs::weakly_canonical(file, error);
+    return error ? file : target;
+}
+
 bool is_written_directly(const fs::path &file) {
-    return file == "-" || (fs::exists(file) && !fs::is_regular_file(file));
+    std::error_code ignored; // what cannot be asked about cannot be opened either
+    return file == "-" || (fs::exists(file, ignored) && !fs::is_regular_file(file, ignored));
+}
+
+/// A name beside the file that nobody else has.
+fs::path draft_of(const fs::path &file) {
+    std::string pattern = file.string() + ".XXXXXX";
+    const int descriptor = mkstemp(pattern.data());
+    if (descriptor < 0) {
+        return {};
+    }
+    (void)close(descriptor);
+    std::error_code ignored;
+    fs::permissions(pattern, fs::perms::group_read | fs::perms::others_read, fs::perm_options::add, ignored);
+    return pattern;
 }
 
 } // namespace
 
 WholeFile::WholeFile(const std::string &option, const fs::path &file)
-    : file_(file), direct_(is_written_directly(file)), building_(direct_ ? file : fs::path(file.string() + ".part")) {
+    : file_(file), direct_(is_written_directly(file)) {
     if (file_ == "-") {
         return;
     }
-    stream_.open(building_);
+    if (!direct_ && !file_.empty()) {
+        file_ = resolved(file);
+        building_ = draft_of(file_);
+    }
+    stream_.open(direct_ ? file_ : building_);
     if (!stream_) {
-        throw BadRequest(option + " " + file.string() +
-                         ": cannot be written; right would be a file in a folder in which files can be made");
+        throw BadRequest(option + " \"" + file.string() +
+                         "\": cannot be written; right would be a file in a folder in which files can be made");
     }
 }
 
 WholeFile::~WholeFile() {
-    if (!direct_) {
+    if (!building_.empty()) {
         std::error_code ignored;
         fs::remove(building_, ignored);
     }
@@ -46,7 +74,7 @@ void WholeFile::commit() {
     if (!out().flush()) {
         throw Failure(file_.string() + ": could not be written");
     }
-    if (!direct_) {
+    if (!building_.empty()) {
         stream_.close();
         fs::rename(building_, file_);
     }

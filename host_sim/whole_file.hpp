@@ -30,7 +30,7 @@ class WholeFile {
   private:
     std::filesystem::path file_;
     bool direct_;
-    std::filesystem::path building_;
+    std::filesystem::path building_; ///< the draft; empty if there is none
     std::ofstream stream_;
 };
 

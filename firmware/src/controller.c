@@ -4,16 +4,16 @@
 #include "elmopp/controller.h"
 
 #include "elmopp/assert.h"
+#include "elmopp/site.h"
 
 #include <stddef.h>
 
 #define COUNT_MAX_VEH 1.0e6F
+#define ALL_MOVEMENTS (((uint32_t)1U << ELMOPP_MOVEMENT_MAX) - 1U)
 
 void elmopp_controller_init(elmopp_controller_t *self, const elmopp_junction_t *junction,
                             const elmopp_chooser_t *chooser, const elmopp_forecast_config_t *forecast) {
-    ELMOPP_ASSERT((junction->approach_count <= ELMOPP_APPROACH_MAX) &&
-                  (junction->movement_count <= ELMOPP_MOVEMENT_MAX));
-    ELMOPP_ASSERT((junction->group_count <= ELMOPP_GROUP_MAX) && (junction->stage_count <= ELMOPP_STAGE_MAX));
+    ELMOPP_ASSERT(elmopp_site_check_counts(junction).fault == ELMOPP_SITE_OK);
     ELMOPP_ASSERT((chooser->choose != NULL) && (chooser->horizon_s <= ELMOPP_HORIZON_MAX));
     *self = (elmopp_controller_t){.junction = junction, .chooser = *chooser, .wanted = ELMOPP_STAGE_NONE};
     elmopp_forecast_init(&self->forecast, junction, forecast);
@@ -37,15 +37,14 @@ static bool are_counts(const elmopp_controller_t *self, const elmopp_counts_t *c
     return good;
 }
 
-static uint16_t waiting_groups(const elmopp_controller_t *self, const float *present_veh) {
-    uint16_t demand = 0U;
+static uint32_t waiting_movements(const elmopp_controller_t *self, const float *present_veh) {
+    uint32_t waiting = 0U;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const bool going = elmopp_mask_has(self->going, j);
-        if ((!going) && (present_veh[j] >= ELMOPP_CONTROLLER_DEMAND_VEH)) {
-            demand |= self->junction->movement[j].groups;
+        if ((!elmopp_mask_has(self->going, j)) && (present_veh[j] >= ELMOPP_CONTROLLER_DEMAND_VEH)) {
+            waiting |= (uint32_t)1U << j;
         }
     }
-    return demand;
+    return waiting;
 }
 
 static void look_ahead(elmopp_controller_t *self, const elmopp_foreseen_t *foreseen, elmopp_view_t *view) {
@@ -71,10 +70,12 @@ static void look_ahead(elmopp_controller_t *self, const elmopp_foreseen_t *fores
 bool elmopp_controller_step(elmopp_controller_t *self, const elmopp_counts_t *counts,
                             const elmopp_foreseen_t *foreseen) {
     if (!are_counts(self, counts)) {
+        /* Blind: somebody may wait everywhere, so that the maximum greens at least keep the stages turning. */
+        self->waiting = ALL_MOVEMENTS & ~self->going;
         return false;
     }
     elmopp_forecast_observe(&self->forecast, counts->arrived_veh);
-    self->demand = waiting_groups(self, counts->present_veh);
+    self->waiting = waiting_movements(self, counts->present_veh);
     elmopp_view_t view = {.junction = self->junction,
                           .queue_veh = counts->present_veh,
                           .arrivals_veh = counts->arrived_veh,
@@ -85,21 +86,28 @@ bool elmopp_controller_step(elmopp_controller_t *self, const elmopp_counts_t *co
                           .stage = self->plan.stage,
                           .target = self->plan.target};
     look_ahead(self, foreseen, &view);
-    self->wanted = self->chooser.choose(self->chooser.state, &view, self->score);
-    ELMOPP_ASSERT(self->wanted < self->junction->stage_count);
+    const elmopp_stage_t answer = self->chooser.choose(self->chooser.state, &view, self->score);
+    ELMOPP_ASSERT(answer < self->junction->stage_count);
+    /* In an intergreen the plan has committed itself; an answer kept for later would be a second old when it counts. */
+    const bool committed = self->plan.stage != self->plan.target;
+    self->wanted = committed ? self->plan.target : answer;
     return true;
 }
 
 elmopp_lamps_t elmopp_controller_lamp_tick(elmopp_controller_t *self) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, self->wanted, self->demand);
+    const elmopp_waiting_t waiting = {.movements = self->waiting & ~self->going, .red_ds = self->red_ds};
+    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, self->wanted, &waiting);
+    if (self->plan.forced) {
+        self->wanted = self->plan.target; /* the wish is older than the force */
+    }
     self->going = elmopp_junction_served(self->junction, lamps.green);
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         if (elmopp_mask_has(self->going, j)) {
             self->red_ds[j] = 0U;
-        } else if (self->red_ds[j] < UINT16_MAX) {
+        } else if ((self->plan.target != ELMOPP_STAGE_NONE) && (self->red_ds[j] < UINT16_MAX)) {
             self->red_ds[j]++;
         } else {
-            /* saturated */
+            /* saturated, or nothing has been decided yet */
         }
     }
     return lamps;

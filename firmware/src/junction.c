@@ -19,6 +19,7 @@ float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement,
 }
 
 float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t movement, float queue_veh) {
+    ELMOPP_ASSERT(movement < junction->movement_count);
     float flow_veh = junction->movement[movement].saturation_veh_per_s;
     if (junction->discharge != (uint8_t)ELMOPP_DISCHARGE_SATURATION) {
         float load = elmopp_junction_load(junction, movement, queue_veh);
@@ -27,6 +28,8 @@ float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t move
         }
         flow_veh = load * junction->free_flow_m_per_s * (1.0F - load);
     }
+    /* An overfull lane (k > 1) stands; the parabola below zero would let vehicles come back. */
+    flow_veh = (flow_veh > 0.0F) ? flow_veh : 0.0F;
     return (flow_veh < queue_veh) ? flow_veh : queue_veh;
 }
 

@@ -79,23 +79,24 @@ static uint16_t target_groups(const elmopp_plan_t *self) {
     return (self->target == ELMOPP_STAGE_NONE) ? (uint16_t)0U : self->junction->stage_groups[self->target];
 }
 
-/* The waiting group that conflicts with g and has been red longest, lowest index among equals; ELMOPP_GROUP_MAX if
- * none. */
-static uint32_t longest_waiting(const elmopp_plan_t *self, uint32_t g, uint16_t demand) {
-    uint32_t found = ELMOPP_GROUP_MAX;
-    for (uint32_t h = 0U; h < self->junction->group_count; h++) {
-        if (elmopp_mask_has((uint16_t)(self->junction->conflict[g] & demand), h) &&
-            ((found == ELMOPP_GROUP_MAX) || (self->group[h].since_green_ds > self->group[found].since_green_ds))) {
-            found = h;
+/* Of the waiting movements that conflict with group g the one that has been red longest, the lowest index among equals;
+   ELMOPP_MOVEMENT_MAX if there is none. */
+static uint32_t longest_waiting(const elmopp_junction_t *junction, const elmopp_waiting_t *waiting, uint32_t g) {
+    uint32_t found = ELMOPP_MOVEMENT_MAX;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        const bool conflicts = (junction->movement[j].groups & junction->conflict[g]) != 0U;
+        if (conflicts && elmopp_mask_has(waiting->movements, j) &&
+            ((found == ELMOPP_MOVEMENT_MAX) || (waiting->red_ds[j] > waiting->red_ds[found]))) {
+            found = j;
         }
     }
     return found;
 }
 
-static elmopp_stage_t first_stage_with(const elmopp_junction_t *junction, uint32_t g) {
+static elmopp_stage_t first_stage_for(const elmopp_junction_t *junction, uint32_t movement) {
     elmopp_stage_t found = ELMOPP_STAGE_NONE;
     for (uint32_t s = junction->stage_count; s > 0U; s--) {
-        if (elmopp_mask_has(junction->stage_groups[s - 1U], g)) {
+        if (elmopp_junction_goes(junction, movement, junction->stage_groups[s - 1U])) {
             found = (elmopp_stage_t)(s - 1U);
         }
     }
@@ -103,14 +104,14 @@ static elmopp_stage_t first_stage_with(const elmopp_junction_t *junction, uint32
 }
 
 /* A green that has outlasted its maximum overrules the wish; the first such group decides. */
-static bool force(elmopp_plan_t *self, uint16_t demand) {
+static bool force(elmopp_plan_t *self, const elmopp_waiting_t *waiting) {
     for (uint32_t g = 0U; g < self->junction->group_count; g++) {
         const uint16_t max_ds = self->junction->group[g].max_green_ds;
         const bool over =
             (self->group[g].aspect == ELMOPP_ASPECT_GREEN) && (max_ds != 0U) && (self->group[g].contested_ds >= max_ds);
-        const uint32_t waiting = over ? longest_waiting(self, g, demand) : ELMOPP_GROUP_MAX;
-        if (waiting < ELMOPP_GROUP_MAX) {
-            self->target = first_stage_with(self->junction, waiting);
+        const uint32_t movement = over ? longest_waiting(self->junction, waiting, g) : ELMOPP_MOVEMENT_MAX;
+        if (movement < ELMOPP_MOVEMENT_MAX) {
+            self->target = first_stage_for(self->junction, movement);
             return true;
         }
     }
@@ -118,14 +119,24 @@ static bool force(elmopp_plan_t *self, uint16_t demand) {
 }
 
 /* A wish is heard when the last one is fulfilled. */
-static void retarget(elmopp_plan_t *self, elmopp_stage_t wanted, uint16_t demand) {
+static void retarget(elmopp_plan_t *self, elmopp_stage_t wanted, const elmopp_waiting_t *waiting) {
     const bool settled = self->stage == self->target;
     if (settled) {
-        self->forced = force(self, demand);
+        self->forced = force(self, waiting);
         if ((!self->forced) && (wanted != ELMOPP_STAGE_NONE)) {
             self->target = wanted;
         }
     }
+}
+
+static uint16_t groups_of(const elmopp_junction_t *junction, uint32_t movements) {
+    uint16_t groups = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        if (elmopp_mask_has(movements, j)) {
+            groups |= junction->movement[j].groups;
+        }
+    }
+    return groups;
 }
 
 static void move_groups(elmopp_plan_t *self, uint16_t demand) {
@@ -165,10 +176,10 @@ static elmopp_lamps_t lamps_of(const elmopp_plan_t *self) {
     return lamps;
 }
 
-elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, uint16_t demand) {
+elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, const elmopp_waiting_t *waiting) {
     ELMOPP_ASSERT((wanted == ELMOPP_STAGE_NONE) || (wanted < self->junction->stage_count));
-    retarget(self, wanted, demand);
-    move_groups(self, demand);
+    retarget(self, wanted, waiting);
+    move_groups(self, groups_of(self->junction, waiting->movements));
     const elmopp_lamps_t lamps = lamps_of(self);
     const bool shown =
         (self->target != ELMOPP_STAGE_NONE) && (lamps.green == target_groups(self)) && (lamps.amber == 0U);

@@ -5,11 +5,11 @@
 
 #include <string.h>
 
-#define HOLD_MAX_S 600U
 #define AMBER_MIN_DS 30U
 #define AMBER_MAX_DS 60U
 #define STREET_GREEN_MIN_DS 50U
 #define VEHICLES_MAX 1.0e6F
+#define REACH_MAX_M 1.0e5F
 
 static const elmopp_site_verdict_t ok = {ELMOPP_SITE_OK, 0U, 0U};
 
@@ -58,14 +58,17 @@ elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction
                        (junction->forecast < (uint8_t)ELMOPP_FORECAST_COUNT);
     const bool flow = (junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION) ||
                       (between(junction->free_flow_m_per_s, 0.0F, 100.0F) && (junction->free_flow_m_per_s > 0.0F));
-    if ((!counts) || (!codes) || (!flow)) {
+    const bool street =
+        (junction->simulation_only == 1U) || (junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION);
+    const bool reach = between(junction->reach_m, 0.0F, REACH_MAX_M);
+    if ((!counts) || (!codes) || (!flow) || (!street) || (!reach)) {
         return fault(ELMOPP_SITE_COUNTS, 0U, 0U);
     }
     if (!names_end(junction)) {
         return fault(ELMOPP_SITE_NAME, 0U, 0U);
     }
     const bool hold = (junction->hold_min_s >= 1U) && (junction->hold_min_s <= junction->hold_max_s) &&
-                      (junction->hold_max_s <= HOLD_MAX_S);
+                      (junction->hold_max_s <= ELMOPP_HORIZON_MAX);
     return hold ? ok : fault(ELMOPP_SITE_HOLD, 0U, 0U);
 }
 
@@ -130,6 +133,14 @@ elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction,
     return ok;
 }
 
+static elmopp_site_verdict_t check_served(const elmopp_junction_t *junction, uint32_t group) {
+    bool served = false;
+    for (uint32_t s = 0U; s < junction->stage_count; s++) {
+        served = served || elmopp_mask_has(junction->stage_groups[s], group);
+    }
+    return served ? ok : fault(ELMOPP_SITE_STAGE, group, 0U);
+}
+
 static elmopp_site_verdict_t check_pairs(const elmopp_junction_t *junction) {
     for (uint32_t g = 0U; g < junction->group_count; g++) {
         for (uint32_t h = 0U; h < junction->group_count; h++) {
@@ -165,6 +176,9 @@ elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
     }
     if (verdict.fault == ELMOPP_SITE_OK) {
         verdict = check_each(junction, junction->stage_count, elmopp_site_check_stage);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->group_count, check_served);
     }
     return verdict;
 }

@@ -156,6 +156,10 @@ static elmopp_stage_t choose_by_urgency(void *state, const elmopp_view_t *view, 
     } else {
         score_by_movement(self, view, score);
     }
+    if ((view->stage != ELMOPP_STAGE_NONE) && (view->stage != self->chosen)) {
+        self->chosen = view->stage; /* a maximum green brought it up */
+        self->chosen_score = score[view->stage];
+    }
     elmopp_stage_t wanted;
     if ((view->stage == ELMOPP_STAGE_NONE) && (view->target != ELMOPP_STAGE_NONE)) {
         wanted = view->target; /* in the intergreen: the plan has committed itself */
@@ -166,7 +170,8 @@ static elmopp_stage_t choose_by_urgency(void *state, const elmopp_view_t *view, 
     } else {
         wanted = hold_or_leave(self, view, score);
     }
-    if (wanted != view->target) {
+    if (wanted != self->chosen) {
+        self->chosen = wanted;
         self->chosen_score = score[wanted];
     }
     age_stages(self, view, wanted);
@@ -177,6 +182,7 @@ elmopp_chooser_t elmopp_urgency_init(elmopp_urgency_t *self, const elmopp_urgenc
     ELMOPP_ASSERT((options->min_s >= 1U) && (options->min_s <= options->max_s));
     ELMOPP_ASSERT((options->max_s <= ELMOPP_HORIZON_MAX) && (options->hysteresis >= 1.0F));
     self->options = *options;
+    self->chosen = ELMOPP_STAGE_NONE;
     self->chosen_score = 0.0F;
     for (uint32_t t = 0U; t <= ELMOPP_HORIZON_MAX; t++) {
         self->weight_red[t] = 0.0F;

@@ -115,9 +115,14 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "three holds": ("[10, 60]", "[10, 60, 70]", ["hold_s has 3 entries", "at most 2"]),
     "hold backwards": ("[10, 60]", "[60, 10]", ["hold_s", "[60, 10]", "min <= max"]),
     "hold 0": ("[10, 60]", "[0, 60]", ["hold_s", "[0, 60]"]),
-    "hold 601": ("[10, 60]", "[10, 601]", ["hold_s", "[10, 601]", "600"]),
+    "hold 151": ("[10, 60]", "[10, 151]", ["hold_s", "[10, 151]", "150"]),
     "unknown chooser": ('"naive"', '"clever"', ["chooser", '"clever"', "naive, cumulative, pressure"]),
     "unknown forecast": ('"none"', '"lstm"', ["forecast", '"lstm"', "ar8"]),
+    "street by Greenshields": (
+        "reach_m = 75",
+        'reach_m = 75\ndischarge = "greenshields"\nfree_flow_m_per_s = 10',
+        ["discharge", "greenshields", "saturation"],
+    ),
     "unknown discharge": ("reach_m = 75", 'reach_m = 75\ndischarge = "x"', ["discharge", '"x"', "greenshields"]),
     "q15": ("reach_m = 75", 'reach_m = 75\narithmetic = "q15"', ["arithmetic", '"q15"', 'only "float" is built']),
     "no free flow": ("reach_m = 75", 'reach_m = 75\ndischarge = "nolock"', ["free_flow_m_per_s", "0.0"]),
@@ -249,7 +254,7 @@ def test_refused_site_leaves_the_old_files_alone(tmp_path: Path, capsys: pytest.
 
 def test_limits_are_accepted_on_their_good_side(tmp_path: Path) -> None:
     for old, new in [
-        ("[10, 60]", "[1, 600]"),
+        ("[10, 60]", "[1, 150]"),
         ("amber_s = 3.5", "amber_s = 3.0"),
         ("amber_s = 3.5", "amber_s = 5"),
         ("min_green_s = 6", "min_green_s = 5.0"),
@@ -260,7 +265,7 @@ def test_limits_are_accepted_on_their_good_side(tmp_path: Path) -> None:
         ('name = "A.M"', 'name = "A.M12345678"'),
         ('"cross"', '"' + "x" * 23 + '"'),
         ("reach_m = 75", "reach_m = 75\nfree_flow_m_per_s = 0"),
-        ("reach_m = 75", 'reach_m = 75\ndischarge = "nolock"\nfree_flow_m_per_s = 10'),
+        ("reach_m = 75", 'reach_m = 75\nsimulation_only = true\ndischarge = "nolock"\nfree_flow_m_per_s = 10'),
         ("reach_m = 75", 'reach_m = 75\narithmetic = "float"'),
         ('stages = [["b", "c"], ["a", "c"]]', ""),
     ]:
@@ -355,7 +360,8 @@ def test_compiled_constant_is_the_image_body(path: Path, tmp_path: Path) -> None
 
 
 def test_compiled_constant_is_the_image_body_with_odd_values(tmp_path: Path) -> None:
-    text = changed("reach_m = 75", 'reach_m = 1e3\ndischarge = "nolock"\nfree_flow_m_per_s = 1e-30')
+    laws = 'simulation_only = true\ndischarge = "nolock"\nfree_flow_m_per_s = 1e-30'
+    text = changed("reach_m = 75", f"reach_m = 1e3\n{laws}")
     text = text.replace("capacity_veh = 4.5", "capacity_veh = 0.1").replace('"naive"', '"pressure"')
     path = write_site(tmp_path, text.replace('"none"', '"ar8"'), "5-odd*name.v2.toml")
     c_file, image_file = tmp_path / "site.c", tmp_path / "site.bin"

@@ -76,7 +76,7 @@ ALLOWED: dict[str, Change] = {
     "intergreen is amber and red-amber": intergreen(0, 3, 40),
     "no storage": movement(capacity_veh=0.0),
     "hold 1 to 1": lambda site: replace(site, hold_min_s=1, hold_max_s=1),
-    "hold up to 600": lambda site: replace(site, hold_max_s=600),
+    "hold up to 150": lambda site: replace(site, hold_max_s=150),
     "simulation": lambda site: group(amber_ds=0, min_green_ds=10)(replace(site, simulation_only=True)),
 }
 FORBIDDEN: dict[str, Change] = {
@@ -109,7 +109,8 @@ def firmware_verdict(tmp_path_factory: pytest.TempPathFactory) -> Callable[[byte
     (folder / "driver.c").write_text(DRIVER)
     program = folder / "driver"
     compiler = os.environ.get("CC") or shutil.which("gcc") or "cc"
-    sources = [str(folder / "driver.c"), str(ROOT / "firmware" / "src" / "site.c")]
+    rooms = [ROOT / "firmware" / "src" / "site.c", ROOT / "firmware" / "src" / "junction.c"]
+    sources = [str(folder / "driver.c"), *map(str, rooms), str(ROOT / "host_sim" / "core_assert.c")]
     subprocess.run(
         [compiler, "-std=c11", f"-I{ROOT / 'firmware' / 'include'}", *sources, "-o", str(program)], check=True
     )

@@ -9,7 +9,7 @@ A simulation_only site may have zero amber and intergreens and one second of min
 from elmopp_tools.site_model import Group, Junction, Movement, SiteError, seconds
 from elmopp_tools.stages import conflict_pair
 
-HOLD_MAX_S = 600
+HOLD_MAX_S = 150  # ELMOPP_HORIZON_MAX: the urgency looks as far as the window is long
 AMBER_MIN_DS = 30
 AMBER_MAX_DS = 60
 MIN_GREEN_STREET_DS = 50
@@ -19,6 +19,7 @@ MIN_GREEN_SIMULATION_DS = 10
 def check_junction(junction: Junction) -> None:
     """Raises SiteError at the first rule that the junction breaks."""
     _check_hold(junction)
+    _check_discharge(junction)
     for group in junction.groups:
         _check_amber(junction, group)
         _check_green(junction, group)
@@ -32,6 +33,11 @@ def _check_hold(junction: Junction) -> None:
     hold_s = [junction.hold_min_s, junction.hold_max_s]
     if not 1 <= junction.hold_min_s <= junction.hold_max_s <= HOLD_MAX_S:
         raise SiteError("hold_s is not a window", hold_s, f"1 <= min <= max <= {HOLD_MAX_S}")
+
+
+def _check_discharge(junction: Junction) -> None:
+    if not junction.simulation_only and junction.discharge != "saturation":
+        raise SiteError("discharge of a street is no saturation flow", junction.discharge, '"saturation"')
 
 
 def _check_amber(junction: Junction, group: Group) -> None:

@@ -113,7 +113,8 @@ def compared(results: Results, profile: str) -> list[str]:
 
 
 def spread(values: list[float], digits: int) -> str:
-    return f"{statistics.fmean(values):.{digits}f} ± {statistics.stdev(values):.{digits}f}"
+    mean = f"{statistics.fmean(values):.{digits}f}"
+    return f"{mean} ± {statistics.stdev(values):.{digits}f}" if len(values) > 1 else mean
 
 
 def main_table(results: Results, profile: str, vehicles: int) -> str:

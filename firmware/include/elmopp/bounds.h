@@ -9,9 +9,8 @@
 #ifndef ELMOPP_BOUNDS_H
 #define ELMOPP_BOUNDS_H
 
-#define ELMOPP_APPROACH_MAX 8U ///< approaches (the paper's inroads) of one junction
-#define ELMOPP_MOVEMENT_MAX                                                                                            \
-    24U ///< movements (lane groups, the paper's subedges) of one junction; a movement mask is uint32_t
+#define ELMOPP_APPROACH_MAX 8U  ///< approaches (the paper's inroads) of one junction
+#define ELMOPP_MOVEMENT_MAX 24U ///< movements (lane groups, the paper's subedges) of one junction
 #define ELMOPP_GROUP_MAX 16U    ///< signal groups of one junction; a group mask is uint16_t
 #define ELMOPP_STAGE_MAX 32U    ///< stages (the paper's configurations) of one junction
 #define ELMOPP_HORIZON_MAX 150U ///< seconds that a forecast can look ahead

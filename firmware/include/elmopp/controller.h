@@ -43,7 +43,7 @@ typedef struct {
     elmopp_plan_t plan;
     uint16_t red_ds[ELMOPP_MOVEMENT_MAX]; ///< T; saturates
     uint32_t going;                       ///< mask of the movements that are green
-    uint16_t demand;                      ///< groups whose traffic waits on red
+    uint32_t waiting;                     ///< mask of the movements that waited on red in the last second
     elmopp_stage_t wanted;
     float score[ELMOPP_STAGE_MAX];               ///< the chooser's scores in the last second
     float foreseen_sum_veh[ELMOPP_APPROACH_MAX]; ///< forecast of the next ELMOPP_CONTROLLER_TRACE_S seconds
@@ -57,8 +57,9 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_junction_t *
 /// Shows the forecast one second of arrivals without deciding: a warm start from recorded traffic.
 void elmopp_controller_absorb(elmopp_controller_t *self, const float *arrived_veh);
 
-/// Decides, once a second. With `foreseen` (null: none) its rows replace the forecast's. False, and no change but the
-/// wish staying as it is, if a count is negative or not finite.
+/// Decides, once a second. With `foreseen` (null: none) its rows replace the forecast's. False if a count is negative
+/// or not finite: nothing is learnt, the wish stays, and every movement on red counts as waiting, so that maximum
+/// greens still end.
 bool elmopp_controller_step(elmopp_controller_t *self, const elmopp_counts_t *counts,
                             const elmopp_foreseen_t *foreseen);
 

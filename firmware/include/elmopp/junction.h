@@ -23,13 +23,11 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/// How a green queue leaves: the flow q in vehicles per second as a function of the queue.
+/// How a green queue leaves: the flow q in vehicles per second. Load k = Q / C, k_j = 1 (paper, appendix).
 enum {
-    ELMOPP_DISCHARGE_SATURATION =
-        0, ///< q = saturation_veh_per_s of the movement (spec: profile saturation; the street)
-    ELMOPP_DISCHARGE_GREENSHIELDS =
-        1, ///< q = k v_f (1 - k / k_j), k = load, k_j = 1 (paper, appendix): a full lane stands for ever
-    ELMOPP_DISCHARGE_NOLOCK = 2 ///< the same with k capped at 1/2, so that a full lane leaves at the top rate
+    ELMOPP_DISCHARGE_SATURATION = 0,   ///< q = saturation_veh_per_s of the movement: every street
+    ELMOPP_DISCHARGE_GREENSHIELDS = 1, ///< q = k v_f (1 - k / k_j): a full lane stands for ever
+    ELMOPP_DISCHARGE_NOLOCK = 2        ///< the same with k at most 1/2: a full lane leaves at the top rate
 };
 
 /// The choosers that a site may name.

@@ -6,7 +6,7 @@
 /// Decides every aspect of every signal group, once a lamp tick. It takes a wanted stage, not orders: a green is never
 /// shorter than its minimum, a group starts only when every conflicting group's intergreen has run out, and a new wish
 /// is heard only when the last one is fulfilled. When a green outlasts its maximum against waiting traffic, the plan
-/// turns to the conflicting group that has been red longest and hears no wish until that stage is up. It never knows a
+/// turns to the conflicting movement that has waited longest and hears no wish until its stage is up. It never knows a
 /// queue, an urgency or a forecast.
 ///
 /// Shaped for proof: each group moves by two pure functions, elmopp_plan_end() and elmopp_plan_start(), that read a
@@ -57,9 +57,15 @@ typedef struct {
 /// All red, every intergreen run out. The junction must have passed elmopp_site_check() and outlive the plan.
 void elmopp_plan_init(elmopp_plan_t *self, const elmopp_junction_t *junction);
 
-/// One lamp tick. `wanted` is a stage or ELMOPP_STAGE_NONE (no wish); `demand` masks the groups whose traffic waits on
-/// red. Returns the lamps until the next tick.
-elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, uint16_t demand);
+/// Whose traffic waits. Movements, not groups: a movement with two groups could see each of them green in turn and
+/// never go.
+typedef struct {
+    uint32_t movements;     ///< mask of the movements that wait on red
+    const uint16_t *red_ds; ///< [movement] T, as in elmopp_view_t
+} elmopp_waiting_t;
+
+/// One lamp tick. `wanted` is a stage or ELMOPP_STAGE_NONE (no wish). Returns the lamps until the next tick.
+elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, const elmopp_waiting_t *waiting);
 
 /// The group after green and amber may have ended: pure, reads its own state only. `keep`: the target holds this group.
 elmopp_plan_group_t elmopp_plan_end(const elmopp_group_t *site, elmopp_plan_group_t before, bool keep);

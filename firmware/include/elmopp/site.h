@@ -5,7 +5,9 @@
 ///
 /// The one predicate that every other room relies on, cut into parts that name what they found, so that a person can be
 /// told and a proof can assume them one by one. It decides nothing about traffic. tools/site judges the same rules a
-/// second time, in the words of the site file; tests hold the two against each other.
+/// second time, in the words of the site file, and asks for more, which only a person can get wrong: unique names, an
+/// approach and a group for everything, the complete list of stages (here: each is maximal and different). Tests hold
+/// the two against each other.
 ///
 /// Street rules, which a simulation_only site need not fulfil: amber 3 to 6 s (RiLSA 2015, 2.4; MUTCD 4F.17) and a
 /// minimum green of at least 5 s (1 s in simulation). In every site the intergreen of a conflicting pair is at least
@@ -19,9 +21,9 @@
 /// What is wrong. `first` and `second` of the verdict index what is named in brackets.
 typedef enum {
     ELMOPP_SITE_OK = 0,
-    ELMOPP_SITE_COUNTS,     ///< a count is 0 or above its bound, or a code is unknown
+    ELMOPP_SITE_COUNTS,     ///< a count, a code or a length is out of bounds, or a street's discharge is no saturation
     ELMOPP_SITE_NAME,       ///< a name has no terminating zero
-    ELMOPP_SITE_HOLD,       ///< not 1 <= hold_min_s <= hold_max_s <= 600
+    ELMOPP_SITE_HOLD,       ///< not 1 <= hold_min_s <= hold_max_s <= ELMOPP_HORIZON_MAX
     ELMOPP_SITE_MOVEMENT,   ///< capacity, saturation flow, lanes, approach or groups make no movement [movement]
     ELMOPP_SITE_GROUP,      ///< a time is outside of its rule [group]
     ELMOPP_SITE_CONFLICT,   ///< a group conflicts with itself, with none that exists, or one-sidedly [group, group]

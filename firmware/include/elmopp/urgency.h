@@ -37,8 +37,9 @@ typedef struct {
     elmopp_urgency_options_t options;
     float weight_red[ELMOPP_HORIZON_MAX + 1U];   ///< k_t e^(t/t_max): a red movement, whose T grows
     float weight_green[ELMOPP_HORIZON_MAX + 1U]; ///< k_t: a green movement, whose T stays
-    float chosen_score;                          ///< urgency of the active stage in the second that chose it
-    uint16_t stage_age_s[ELMOPP_STAGE_MAX];      ///< seconds since each stage was active
+    elmopp_stage_t chosen;                       ///< the active stage as this chooser knows it
+    float chosen_score; ///< its urgency in the second that chose it, or that found it if a maximum green brought it up
+    uint16_t stage_age_s[ELMOPP_STAGE_MAX]; ///< seconds since each stage was active
 } elmopp_urgency_t;
 
 /// Prepares the state and returns the chooser that uses it. Asserts 1 <= min_s <= max_s <= ELMOPP_HORIZON_MAX,

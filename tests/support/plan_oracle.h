@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// A second opinion on the plan, for property tests: it sees wishes, demands and lamps and keeps its own books by
+/// timestamps. It shares no code with the plan.
+
+#ifndef ELMOPP_TEST_PLAN_ORACLE_H
+#define ELMOPP_TEST_PLAN_ORACLE_H
+
+#include "elmopp/plan.h"
+
+#define PLAN_ORACLE_NEVER (-1000000000LL)
+
+typedef struct {
+    char aspect;         ///< R, B (red and amber), G, Y
+    long long since;     ///< tick in which it began
+    long long ended;     ///< tick in which its last green ended; PLAN_ORACLE_NEVER before
+    long long contested; ///< tick of the first conflicting demand of this green; PLAN_ORACLE_NEVER before
+} plan_oracle_group_t;
+
+typedef struct {
+    const elmopp_junction_t *junction;
+    plan_oracle_group_t group[ELMOPP_GROUP_MAX];
+    long long now;
+    uint32_t shown;  ///< stage that the lamps show, ELMOPP_STAGE_NONE if none
+    uint32_t target; ///< stage that must come next
+    uint32_t forced; ///< changes of target that a maximum green asked for
+    long long shown_since;
+    char complaint[120]; ///< empty as long as all is well
+} plan_oracle_t;
+
+void plan_oracle_init(plan_oracle_t *self, const elmopp_junction_t *junction);
+
+/// Judges one tick. False and a complaint if a rule of plan.h or of the site is broken.
+bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint16_t demand, elmopp_lamps_t lamps,
+                       const elmopp_plan_t *plan);
+
+/// Ticks in which any stage must be up after a wish that is heard: the longest minimum green and the longest
+/// intergreen.
+uint32_t plan_oracle_bound(const elmopp_junction_t *junction);
+
+#endif

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// elmopp_exp() against libm's double exp: test_elementary [--all]. With --all each float of the range is tried.
+
+#include "elmopp/elementary.h"
+#include "unity.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#define ERROR_BOUND 1.5e-7
+#define SAMPLE_STRIDE 64U
+#define SIGN_BIT 0x80000000U
+
+static uint32_t stride = SAMPLE_STRIDE;
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static float float_of(uint32_t bits) {
+    float value;
+    (void)memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static uint32_t bits_of(float value) {
+    uint32_t bits;
+    (void)memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
+static double relative_error(float x) {
+    const double right = exp((double)x);
+    return fabs((double)elmopp_exp(x) - right) / right;
+}
+
+/* Walks away from zero, so that neighbours in bits are neighbours in value. Negated so that a NaN fails. */
+static void check_bound_between_zero_and(float end) {
+    const uint32_t sign = bits_of(end) & SIGN_BIT;
+    const uint32_t last = bits_of(end) & ~SIGN_BIT;
+    uint32_t worst_bits = sign;
+    double worst = 0.0;
+    for (uint32_t bits = 0U; bits <= last; bits += stride) {
+        const double error = relative_error(float_of(sign | bits));
+        if (!(error <= worst)) {
+            worst = error;
+            worst_bits = sign | bits;
+        }
+    }
+    char message[120];
+    (void)snprintf(message, sizeof message, "worst relative error %.3g at %.9g", worst, (double)float_of(worst_bits));
+    TEST_ASSERT_TRUE_MESSAGE(worst <= ERROR_BOUND, message);
+    TEST_ASSERT_TRUE_MESSAGE(relative_error(end) <= ERROR_BOUND, "at the end of the range");
+}
+
+static void test_error_is_within_the_claim_for_negative_arguments(void) {
+    check_bound_between_zero_and(ELMOPP_EXP_MIN);
+}
+
+static void test_error_is_within_the_claim_for_positive_arguments(void) {
+    check_bound_between_zero_and(ELMOPP_EXP_MAX);
+}
+
+static void test_exp_of_zero_is_exactly_one(void) {
+    TEST_ASSERT_EQUAL_HEX32(bits_of(1.0F), bits_of(elmopp_exp(0.0F)));
+    TEST_ASSERT_EQUAL_HEX32(bits_of(1.0F), bits_of(elmopp_exp(-0.0F)));
+}
+
+static void test_arguments_beyond_the_range_are_taken_as_its_ends(void) {
+    const uint32_t low = bits_of(elmopp_exp(ELMOPP_EXP_MIN));
+    const uint32_t high = bits_of(elmopp_exp(ELMOPP_EXP_MAX));
+    TEST_ASSERT_EQUAL_HEX32(low, bits_of(elmopp_exp(nextafterf(ELMOPP_EXP_MIN, -INFINITY))));
+    TEST_ASSERT_EQUAL_HEX32(low, bits_of(elmopp_exp(-1.0e30F)));
+    TEST_ASSERT_EQUAL_HEX32(low, bits_of(elmopp_exp(-INFINITY)));
+    TEST_ASSERT_EQUAL_HEX32(high, bits_of(elmopp_exp(nextafterf(ELMOPP_EXP_MAX, INFINITY))));
+    TEST_ASSERT_EQUAL_HEX32(high, bits_of(elmopp_exp(1.0e30F)));
+    TEST_ASSERT_EQUAL_HEX32(high, bits_of(elmopp_exp(INFINITY)));
+}
+
+static void test_arguments_just_inside_the_range_are_not_cut(void) {
+    TEST_ASSERT_TRUE(elmopp_exp(-86.999F) > elmopp_exp(ELMOPP_EXP_MIN));
+    TEST_ASSERT_TRUE(elmopp_exp(87.999F) < elmopp_exp(ELMOPP_EXP_MAX));
+}
+
+static void test_the_ends_are_finite_normal_and_above_zero(void) {
+    TEST_ASSERT_TRUE(isnormal(elmopp_exp(ELMOPP_EXP_MIN)));
+    TEST_ASSERT_TRUE(isnormal(elmopp_exp(ELMOPP_EXP_MAX)));
+    TEST_ASSERT_TRUE(elmopp_exp(ELMOPP_EXP_MIN) > 0.0F);
+}
+
+static void test_nan_is_taken_as_the_lower_end(void) {
+    TEST_ASSERT_EQUAL_HEX32(bits_of(elmopp_exp(ELMOPP_EXP_MIN)), bits_of(elmopp_exp(NAN)));
+    TEST_ASSERT_EQUAL_HEX32(bits_of(elmopp_exp(ELMOPP_EXP_MIN)), bits_of(elmopp_exp(-NAN)));
+}
+
+/* A grid of 1/64, on which e^x grows by 1.6 % a step: far above the error, also where the reduction changes its n. */
+static void test_it_grows_over_a_grid(void) {
+    for (int32_t i = -87 * 64; i < 88 * 64; i++) {
+        const float x = (float)i / 64.0F;
+        if (!(elmopp_exp(x + (1.0F / 64.0F)) > elmopp_exp(x))) {
+            char message[60];
+            (void)snprintf(message, sizeof message, "not above its left neighbour: %.9g", (double)x);
+            TEST_FAIL_MESSAGE(message);
+        }
+    }
+}
+
+int main(int argc, char **argv) {
+    if ((argc == 2) && (strcmp(argv[1], "--all") == 0)) {
+        stride = 1U;
+    } else if (argc != 1) {
+        (void)fprintf(stderr, "usage: test_elementary [--all]\n");
+        return 2;
+    }
+    UNITY_BEGIN();
+    RUN_TEST(test_error_is_within_the_claim_for_negative_arguments);
+    RUN_TEST(test_error_is_within_the_claim_for_positive_arguments);
+    RUN_TEST(test_exp_of_zero_is_exactly_one);
+    RUN_TEST(test_arguments_beyond_the_range_are_taken_as_its_ends);
+    RUN_TEST(test_arguments_just_inside_the_range_are_not_cut);
+    RUN_TEST(test_the_ends_are_finite_normal_and_above_zero);
+    RUN_TEST(test_nan_is_taken_as_the_lower_end);
+    RUN_TEST(test_it_grows_over_a_grid);
+    return UNITY_END();
+}

@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// The plan against a second opinion under random wishes and demands: every site as shipped, and with random times.
+
+#include "elmopp/plan.h"
+#include "elmopp/site.h"
+#include "plan_oracle.h"
+#include "plan_tick.h"
+#include "random.h"
+#include "sites.h"
+#include "unity.h"
+
+#define TICKS 200000U
+#define SEEDS_OF_RANDOM_TIMES 4U
+#define TICKS_OF_RANDOM_TIMES 50000U
+
+static elmopp_junction_t junction;
+static elmopp_plan_t plan;
+static plan_oracle_t oracle;
+static uint64_t seed;
+
+void setUp(void) {}
+void tearDown(void) {}
+
+static void begin(const elmopp_junction_t *site, uint64_t new_seed) {
+    junction = *site;
+    seed = new_seed;
+    elmopp_plan_init(&plan, &junction);
+    plan_oracle_init(&oracle, &junction);
+}
+
+static void tick(elmopp_stage_t wanted, uint16_t demand) {
+    const elmopp_lamps_t lamps = plan_tick(&plan, wanted, demand);
+    if (!plan_oracle_judge(&oracle, wanted, demand, lamps, &plan)) {
+        TEST_FAIL_MESSAGE(oracle.complaint);
+    }
+}
+
+/* One in eight is no wish. */
+static elmopp_stage_t random_wish(void) {
+    const uint32_t none = random_below(&seed, 8U);
+    return (none == 0U) ? (elmopp_stage_t)ELMOPP_STAGE_NONE : (elmopp_stage_t)random_below(&seed, junction.stage_count);
+}
+
+static uint16_t random_demand(void) {
+    const uint64_t few = random_next(&seed) & random_next(&seed);
+    return (uint16_t)(few & ((1U << junction.group_count) - 1U));
+}
+
+/* A wish held without any demand is shown when the change under way and its own have had their time. */
+static void hold_until_shown(void) {
+    const elmopp_stage_t wanted = (elmopp_stage_t)random_below(&seed, junction.stage_count);
+    const uint32_t bound = (2U * plan_oracle_bound(&junction)) + 2U;
+    for (uint32_t i = 0U; (i <= bound) && (plan.stage != wanted); i++) {
+        tick(wanted, 0U);
+    }
+    TEST_ASSERT_EQUAL_UINT8_MESSAGE(wanted, plan.stage, "not shown within its bound");
+}
+
+/* A group that alone waits gets its green however stubborn the wish, if every group has a maximum. */
+static void hold_against_demand(void) {
+    const uint32_t g = random_below(&seed, junction.group_count);
+    const elmopp_stage_t wanted = (elmopp_stage_t)random_below(&seed, junction.stage_count);
+    uint32_t max_ds = 0U;
+    for (uint32_t h = 0U; h < junction.group_count; h++) {
+        const uint32_t own_ds = junction.group[h].max_green_ds;
+        if (own_ds == 0U) {
+            return;
+        }
+        max_ds = (own_ds > max_ds) ? own_ds : max_ds;
+    }
+    const uint32_t bound = max_ds + (3U * plan_oracle_bound(&junction)) + 3U;
+    for (uint32_t i = 0U; (i <= bound) && (plan.group[g].aspect != ELMOPP_ASPECT_GREEN); i++) {
+        tick(wanted, (uint16_t)(1U << g));
+    }
+    TEST_ASSERT_EQUAL_INT_MESSAGE(ELMOPP_ASPECT_GREEN, plan.group[g].aspect, "waits longer than its bound");
+}
+
+/* Wish and demand change at random: every tick, now and then, or hardly ever, so that maximum greens come about. */
+static void wander(uint32_t ticks) {
+    static const uint32_t calm[3] = {1U, 60U, 900U};
+    const uint32_t wish_every = calm[random_below(&seed, 3U)];
+    const uint32_t demand_every = calm[random_below(&seed, 3U)];
+    elmopp_stage_t wanted = random_wish();
+    uint16_t demand = random_demand();
+    for (uint32_t i = 0U; i < ticks; i++) {
+        wanted = (random_below(&seed, wish_every) == 0U) ? random_wish() : wanted;
+        demand = (random_below(&seed, demand_every) == 0U) ? random_demand() : demand;
+        tick(wanted, demand);
+    }
+}
+
+static void wander_and_hold(uint32_t ticks) {
+    while (oracle.now < (long long)ticks) {
+        wander(random_below(&seed, 3000U));
+        hold_until_shown();
+        wander(random_below(&seed, 100U));
+        hold_against_demand();
+    }
+}
+
+static void test_every_site_as_shipped_keeps_all_rules(void) {
+    for (uint32_t i = 0U; i < TEST_SITE_COUNT; i++) {
+        begin(test_sites[i], 1000U + i);
+        wander_and_hold(TICKS);
+        const bool has_maximum = junction.group[0].max_green_ds != 0U;
+        TEST_ASSERT_EQUAL_INT_MESSAGE(has_maximum, oracle.forced > 10U, "the test never met a maximum green");
+    }
+}
+
+static uint16_t random_between(uint32_t low, uint32_t high) {
+    return (uint16_t)(low + random_below(&seed, (high - low) + 1U));
+}
+
+static void draw_times(void) {
+    for (uint32_t g = 0U; g < junction.group_count; g++) {
+        elmopp_group_t *group = &junction.group[g];
+        group->amber_ds = random_between(30U, 60U);
+        group->red_amber_ds = (random_below(&seed, 2U) == 0U) ? (uint16_t)0U : random_between(1U, 20U);
+        group->min_green_ds = random_between(50U, 120U);
+        group->max_green_ds = (uint16_t)(group->min_green_ds + random_between(0U, 150U));
+    }
+    for (uint32_t g = 0U; g < junction.group_count; g++) {
+        for (uint32_t h = 0U; h < junction.group_count; h++) {
+            const uint32_t least_ds = (uint32_t)junction.group[g].amber_ds + junction.group[h].red_amber_ds;
+            const bool conflict = (((uint32_t)junction.conflict[g] >> h) & 1U) != 0U;
+            junction.intergreen_ds[g][h] = conflict ? random_between(least_ds, least_ds + 40U) : (uint16_t)0U;
+        }
+    }
+    junction.simulation_only = 0U;
+    junction.discharge = ELMOPP_DISCHARGE_SATURATION;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_OK, elmopp_site_check(&junction).fault);
+}
+
+static void test_every_site_with_random_times_keeps_all_rules(void) {
+    for (uint32_t i = 0U; i < TEST_SITE_COUNT * SEEDS_OF_RANDOM_TIMES; i++) {
+        begin(test_sites[i % TEST_SITE_COUNT], 2000U + i);
+        draw_times();
+        wander_and_hold(TICKS_OF_RANDOM_TIMES);
+        TEST_ASSERT_TRUE_MESSAGE(oracle.forced > 10U, "the test never met a maximum green");
+    }
+}
+
+/* The largest junction there can be, all groups in conflict. */
+static void test_sixteen_groups_in_conflict_keep_all_rules(void) {
+    const elmopp_junction_t largest = test_cross(ELMOPP_GROUP_MAX);
+    begin(&largest, 3000U);
+    draw_times();
+    wander_and_hold(TICKS_OF_RANDOM_TIMES);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_every_site_as_shipped_keeps_all_rules);
+    RUN_TEST(test_every_site_with_random_times_keeps_all_rules);
+    RUN_TEST(test_sixteen_groups_in_conflict_keep_all_rules);
+    return UNITY_END();
+}

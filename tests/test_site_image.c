@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// elmopp_site_load(): what was written comes back, and nothing that was changed on the way is taken.
+
+#include "elmopp/site.h"
+#include "sites.h"
+#include "unity.h"
+
+#include <string.h>
+
+#define BODY_SIZE 1740U
+#define IMAGE_SIZE (16U + BODY_SIZE)
+#define CANARY 0xA5
+
+static uint8_t image[IMAGE_SIZE + 1U];
+static elmopp_junction_t out;
+
+void tearDown(void) {}
+
+/* Table form of CRC-32 (IEEE 802.3), half a byte at a time: not the code under test. */
+static uint32_t checksum(const uint8_t *bytes, uint32_t length) {
+    static const uint32_t nibble[16] = {0x00000000U, 0x1DB71064U, 0x3B6E20C8U, 0x26D930ACU, 0x76DC4190U, 0x6B6B51F4U,
+                                        0x4DB26158U, 0x5005713CU, 0xEDB88320U, 0xF00F9344U, 0xD6D6A3E8U, 0xCB61B38CU,
+                                        0x9B64C2B0U, 0x86D3D2D4U, 0xA00AE278U, 0xBDBDF21CU};
+    uint32_t crc = 0xFFFFFFFFU;
+    for (uint32_t i = 0U; i < length; i++) {
+        crc = nibble[(crc ^ bytes[i]) & 0xFU] ^ (crc >> 4U);
+        crc = nibble[(crc ^ ((uint32_t)bytes[i] >> 4U)) & 0xFU] ^ (crc >> 4U);
+    }
+    return crc ^ 0xFFFFFFFFU;
+}
+
+static void put_word(uint8_t *at, uint32_t word) {
+    for (uint32_t i = 0U; i < 4U; i++) {
+        at[i] = (uint8_t)(word >> (8U * i));
+    }
+}
+
+static void write_image(const elmopp_junction_t *junction) {
+    (void)memcpy(&image[16], junction, BODY_SIZE);
+    (void)memcpy(image, "ELMS", 4U);
+    put_word(&image[4], 1U);
+    put_word(&image[8], BODY_SIZE);
+    put_word(&image[12], checksum(&image[16], BODY_SIZE));
+}
+
+void setUp(void) {
+    TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, checksum((const uint8_t *)"123456789", 9U));
+    write_image(&elmopp_site_four_way);
+    (void)memset(&out, CANARY, sizeof out);
+}
+
+static void expect_out_unchanged(void) {
+    elmopp_junction_t canary;
+    (void)memset(&canary, CANARY, sizeof canary);
+    TEST_ASSERT_EQUAL_MEMORY(&canary, &out, sizeof out);
+}
+
+static void expect_refused(elmopp_site_fault_t fault) {
+    TEST_ASSERT_EQUAL_INT(fault, elmopp_site_load(image, IMAGE_SIZE, &out).fault);
+    expect_out_unchanged();
+}
+
+static void test_a_good_image_of_every_site_is_loaded_byte_for_byte(void) {
+    for (uint32_t i = 0U; i < TEST_SITE_COUNT; i++) {
+        write_image(test_sites[i]);
+        const elmopp_site_verdict_t verdict = elmopp_site_load(image, IMAGE_SIZE, &out);
+        TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_OK, verdict.fault);
+        TEST_ASSERT_EQUAL_MEMORY(test_sites[i], &out, sizeof out);
+    }
+}
+
+static elmopp_site_fault_t fault_of_byte(uint32_t index) {
+    static const elmopp_site_fault_t by_word[4] = {ELMOPP_SITE_IMAGE_MAGIC, ELMOPP_SITE_IMAGE_VERSION,
+                                                   ELMOPP_SITE_IMAGE_LENGTH, ELMOPP_SITE_IMAGE_CRC};
+    return by_word[(index < 16U) ? (index / 4U) : 3U];
+}
+
+/* Each bit alone, and all eight of a byte. */
+static void test_no_bit_and_no_byte_can_change(void) {
+    static const uint8_t change[] = {0x01U, 0x02U, 0x04U, 0x08U, 0x10U, 0x20U, 0x40U, 0x80U, 0xFFU};
+    for (uint32_t index = 0U; index < IMAGE_SIZE; index++) {
+        const uint8_t right = image[index];
+        for (uint32_t i = 0U; i < sizeof change; i++) {
+            image[index] = (uint8_t)(right ^ change[i]);
+            const elmopp_site_verdict_t verdict = elmopp_site_load(image, IMAGE_SIZE, &out);
+            TEST_ASSERT_EQUAL_INT(fault_of_byte(index), verdict.fault);
+            TEST_ASSERT_EQUAL_UINT8(0U, verdict.first);
+            TEST_ASSERT_EQUAL_UINT8(0U, verdict.second);
+        }
+        image[index] = right;
+    }
+    expect_out_unchanged();
+}
+
+static void test_every_cut_is_refused(void) {
+    for (uint32_t length = 0U; length < IMAGE_SIZE; length++) {
+        const elmopp_site_verdict_t verdict = elmopp_site_load(image, length, &out);
+        const elmopp_site_fault_t right = (length < 16U) ? ELMOPP_SITE_IMAGE_MAGIC : ELMOPP_SITE_IMAGE_LENGTH;
+        TEST_ASSERT_EQUAL_INT(right, verdict.fault);
+    }
+    expect_out_unchanged();
+}
+
+static void test_one_byte_more_is_refused(void) {
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_IMAGE_LENGTH, elmopp_site_load(image, IMAGE_SIZE + 1U, &out).fault);
+    expect_out_unchanged();
+}
+
+static void test_a_length_word_that_agrees_with_a_wrong_length_is_refused(void) {
+    put_word(&image[8], BODY_SIZE - 4U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_IMAGE_LENGTH, elmopp_site_load(image, IMAGE_SIZE - 4U, &out).fault);
+    put_word(&image[8], 0xFFFFFFFFU);
+    expect_refused(ELMOPP_SITE_IMAGE_LENGTH);
+    put_word(&image[8], 0xFFFFFFF0U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_IMAGE_LENGTH, elmopp_site_load(image, 16U, &out).fault);
+    expect_out_unchanged();
+}
+
+static void test_an_intact_image_of_a_bad_site_is_refused_with_its_indices(void) {
+    elmopp_junction_t bad = elmopp_site_four_way;
+    bad.intergreen_ds[4][2] = 39U;
+    write_image(&bad);
+    const elmopp_site_verdict_t verdict = elmopp_site_load(image, IMAGE_SIZE, &out);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_INTERGREEN, verdict.fault);
+    TEST_ASSERT_EQUAL_UINT8(4U, verdict.first);
+    TEST_ASSERT_EQUAL_UINT8(2U, verdict.second);
+    expect_out_unchanged();
+}
+
+static void test_an_image_of_the_next_version_is_refused(void) {
+    put_word(&image[4], ELMOPP_SITE_IMAGE_VERSION_NOW + 1U);
+    expect_refused(ELMOPP_SITE_IMAGE_VERSION);
+}
+
+static void test_an_image_may_lie_at_any_address(void) {
+    static uint8_t moved[IMAGE_SIZE + 4U];
+    for (uint32_t offset = 0U; offset < 4U; offset++) {
+        (void)memcpy(&moved[offset], image, IMAGE_SIZE);
+        TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_OK, elmopp_site_load(&moved[offset], IMAGE_SIZE, &out).fault);
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_a_good_image_of_every_site_is_loaded_byte_for_byte);
+    RUN_TEST(test_no_bit_and_no_byte_can_change);
+    RUN_TEST(test_every_cut_is_refused);
+    RUN_TEST(test_one_byte_more_is_refused);
+    RUN_TEST(test_a_length_word_that_agrees_with_a_wrong_length_is_refused);
+    RUN_TEST(test_an_intact_image_of_a_bad_site_is_refused_with_its_indices);
+    RUN_TEST(test_an_image_of_the_next_version_is_refused);
+    RUN_TEST(test_an_image_may_lie_at_any_address);
+    return UNITY_END();
+}
