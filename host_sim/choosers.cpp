@@ -46,7 +46,7 @@ void check_option(const ChooserKind &kind, const std::string &name, const std::s
                       : value == "unlimited" ? name == "ready"
                                              : parse_number(value, number) && number > 0.0;
     if (!good) {
-        throw BadRequest("option " + name + " of chooser " + kind.name + " has value \"" + value +
+        throw BadRequest("option \"" + name + "\" of chooser " + kind.name + " has value \"" + value +
                          "\"; right would be " + (is_switch(name) ? "no value" : "a number above 0"));
     }
 }
@@ -55,6 +55,14 @@ std::pair<std::string, std::string> parse_option(const std::string &text) {
     const auto equals = text.find('=');
     return equals == std::string::npos ? std::make_pair(text, std::string())
                                        : std::make_pair(text.substr(0, equals), text.substr(equals + 1));
+}
+
+void add_option(ChooserSpec &spec, const ChooserKind &kind, const std::string &word, const std::string &whole) {
+    const auto [name, value] = parse_option(word);
+    check_option(kind, name, value);
+    if (!spec.options.emplace(name, value).second) {
+        throw BadRequest("option \"" + name + "\" is given twice in \"" + whole + "\"; right would be once");
+    }
 }
 
 /// An option's number, or the default.
@@ -164,12 +172,7 @@ ChooserSpec parse_chooser(const std::string &text) {
     const ChooserKind &kind = find_kind(words.front());
     ChooserSpec spec{kind.name, {}, "none"};
     for (std::size_t i = 1; i < words.size(); ++i) {
-        const auto [name, value] = parse_option(words[i]);
-        check_option(kind, name, value);
-        if (spec.options.count(name) != 0) {
-            throw BadRequest("option \"" + name + "\" is given twice in \"" + text + "\"; right would be once");
-        }
-        spec.options[name] = value;
+        add_option(spec, kind, words[i], text);
     }
     if (colon != std::string::npos) {
         spec.forecast = text.substr(colon + 1);

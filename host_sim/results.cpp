@@ -136,6 +136,7 @@ std::vector<double> pick_by_trial(const std::vector<Row> &rows, const Selection 
         }
     }
     std::vector<double> means;
+    means.reserve(by_trial.size());
     for (const auto &[trial, values] : by_trial) {
         means.push_back(summarize(values).mean);
     }

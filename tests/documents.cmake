@@ -5,7 +5,7 @@
 
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
     elmopp_add_python_test(NAME documents
-        COMMAND -m pytest -q -p no:cacheprovider tests/python/test_documents.py
+        COMMAND -m pytest -q tests/python/test_documents.py
         LABELS sim generated TIMEOUT 600)
     set_tests_properties(documents PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
 

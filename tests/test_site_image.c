@@ -39,7 +39,7 @@ static void put_word(uint8_t *at, uint32_t word) {
 
 static void write_image(const elmopp_junction_t *junction) {
     (void)memcpy(&image[16], junction, BODY_SIZE);
-    (void)memcpy(image, "ELMS", 4U);
+    put_word(image, 0x534D4C45U); /* "ELMS" */
     put_word(&image[4], 1U);
     put_word(&image[8], BODY_SIZE);
     put_word(&image[12], checksum(&image[16], BODY_SIZE));

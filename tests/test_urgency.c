@@ -406,6 +406,7 @@ static void test_hysteresis_asks_for_that_many_times_more(void) {
 /* Chosen with an urgency of 0.3/e; the rival then has to exceed that, whatever became of the active stage. */
 static void test_frozen_compares_with_the_urgency_of_the_second_that_chose(void) {
     options.frozen = true;
+    (void)memset(&urgency, 0, sizeof urgency); /* whatever was there before the init */
     restart();
     set_queues(3.0F, 1.0F, 0.0F, 0.0F);
     TEST_ASSERT_EQUAL_UINT8(0U, ask());

@@ -99,7 +99,7 @@ void test_seconds_out_of_range_are_refused() {
     expect_words(late_refusal("naive@min=0.5"), {"0.5", "1 to 60"});
     expect_words(late_refusal("pressure@max=601"), {"max", "pressure", "601", "5 to 600"});
     expect_words(late_refusal("pressure@min=121"), {"min", "121", "1 to 120"});
-    expect_words(late_refusal("fixed@green=601"), {"green", "fixed", "601", "5 to 600"});
+    expect_words(late_refusal("fixed@green=601"), {"green", "fixed", "601", "1 to 600"});
     expect_words(late_refusal("fixed@green=0.5"), {"green", "0.5"});
     TEST_ASSERT_EQUAL_UINT(60, urgency("naive@min=60").min_s);
     TEST_ASSERT_EQUAL_UINT(150, urgency("naive@max=150").max_s);

@@ -17,10 +17,22 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "release" / "bin" / "host_sim"))
 DOCUMENTS = ("README.md", "docs/algorithm.md")
-CLAIMS = (
-    "ranking_throughput curve_falls elmopp_gt_itlc elmopp_gt_oaf itlc_gt_oaf t_elmopp_itlc t_elmopp_oaf t_itlc_oaf "
-    "prediction_helps horizon_417 hyperchaos_euler literal_works three_levels count_accuracy"
-).split()
+CLAIMS = [
+    "ranking_throughput",
+    "curve_falls",
+    "elmopp_gt_itlc",
+    "elmopp_gt_oaf",
+    "itlc_gt_oaf",
+    "t_elmopp_itlc",
+    "t_elmopp_oaf",
+    "t_itlc_oaf",
+    "prediction_helps",
+    "horizon_417",
+    "hyperchaos_euler",
+    "literal_works",
+    "three_levels",
+    "count_accuracy",
+]
 
 
 @pytest.fixture(scope="module")

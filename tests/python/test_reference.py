@@ -89,13 +89,14 @@ def reference_settings(profile: str, chooser: str) -> tuple[str, str, Any]:
     values: dict[str, Any] = {}
     for option in options:
         key, _, value = option.partition("=")
-        values |= {
+        known: dict[str, dict[str, Any]] = {
             "frozen": {"frozen": True},
             "hysteresis": {"hysteresis": float(value or 1)},
             "constant-age": {"constant_t": True},
             "printed-sign": {"printed_sign": True},
             "ready": {"ready_veh": float(value or 0)},
-        }[key]
+        }
+        values.update(known[key])
     if profile == "literal" and name == "naive":
         values["literal_clock"] = "lane"
     return name, forecast or "none", dataclasses.replace(settings, **values)
