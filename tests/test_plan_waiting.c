@@ -102,11 +102,28 @@ static void test_equal_waits_go_to_the_lowest_movement(void) {
     TEST_FAIL_MESSAGE("the maximum green never ran out");
 }
 
+/* The controller marks all movements there could be when it is blind. */
+static void test_movements_that_do_not_exist_contest_nothing_and_are_turned_to_by_nothing(void) {
+    const uint32_t beyond = ~(uint32_t)EVERYBODY;
+    junction.movement[MOVEMENTS].groups = 0x0008U;
+    for (uint32_t t = 0U; t < 1000U; t++) {
+        tick(0U, beyond);
+    }
+    TEST_ASSERT_EQUAL_UINT16(0U, plan.group[0].contested_ds);
+    tick(0U, 0x0002U);
+    for (uint32_t t = 0U; t < 1000U; t++) {
+        tick(0U, beyond);
+        TEST_ASSERT_FALSE(plan.forced);
+    }
+    TEST_ASSERT_EQUAL_UINT8(0U, plan.stage);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_junction_is_a_site);
     RUN_TEST(test_a_movement_with_two_groups_is_served_when_all_others_wait_too);
     RUN_TEST(test_a_movement_with_two_groups_alone_is_served_at_the_first_force);
     RUN_TEST(test_equal_waits_go_to_the_lowest_movement);
+    RUN_TEST(test_movements_that_do_not_exist_contest_nothing_and_are_turned_to_by_nothing);
     return UNITY_END();
 }

@@ -188,6 +188,10 @@ def test_bad_values_are_named_with_what_would_be_right(tmp_path: Path, command: 
     refused(tmp_path, command.split(" ") if command else [], value, right)
 
 
+def test_a_refusal_is_one_line_whatever_the_value_holds(tmp_path: Path) -> None:
+    refused(tmp_path, ["run", "--chooser", "na\nive"], "unknown chooser", "naive, cumulative")
+
+
 BAD_TRACES = [
     ("t_s,N,E,S,W\n0,1,1,1,1\n1,-0.5,1,1,1\n", ":3", "column N", '"-0.5"', "from 0 to 10000"),
     ("t_s,N,E,S,W\n0,1,1,,1\n", ":2", "column S", '""', "finite number"),
@@ -506,6 +510,15 @@ def test_the_profile_sets_the_integrator_unless_it_is_given() -> None:
     assert log_lines("--seconds", "50") == log_lines("--integrator", "rk4", "--seconds", "50")
 
 
+def test_a_link_is_written_through(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    (tmp_path / "summary.json").symlink_to("there/summary.json")
+    for _ in range(2):  # where there is no file yet, and where there is one
+        succeed("run", "--seconds", "3", "--summary", "summary.json", cwd=tmp_path)
+        assert (tmp_path / "summary.json").is_symlink()
+        assert json.loads((tmp_path / "there" / "summary.json").read_text())["seconds"] == 3
+
+
 def test_files_are_written_whole_and_replaced(tmp_path: Path) -> None:
     (tmp_path / "log.jsonl").write_text("old\n" * 10000)
     done = succeed("run", "--seconds", "3", "--log", "log.jsonl", "--summary", "summary.json", cwd=tmp_path)
@@ -682,7 +695,9 @@ def test_experiment_writes_its_files_and_no_other(small: Path) -> None:
 
 def test_jobs_and_repetition_change_no_byte_and_other_files_stay(small: Path, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine\n")
+    # Results of an earlier run, one of which this run does not make.
     (tmp_path / "trials.csv").write_text("old\n")
+    (tmp_path / "beside.csv").write_text("old\n")
     files = experiment(tmp_path, *SMALL, "--jobs", "1")
     assert files.pop("notes.txt") == b"mine\n"
     assert files == tree(small)

@@ -72,7 +72,7 @@ ALLOWED: dict[str, Change] = {
     "amber 4 s": group(amber_ds=40),
     "minimum green 5 s": group(min_green_ds=50),
     "no maximum green": group(max_green_ds=0),
-    "maximum green above minimum": group(min_green_ds=60, max_green_ds=61),
+    "maximum green at minimum": group(min_green_ds=60, max_green_ds=60),
     "intergreen is amber and red-amber": intergreen(0, 3, 40),
     "no storage": movement(capacity_veh=0.0),
     "hold 1 to 1": lambda site: replace(site, hold_min_s=1, hold_max_s=1),

@@ -52,9 +52,9 @@ def _check_green(junction: Junction, group: Group) -> None:
     if group.min_green_ds < least_ds:
         wrong = f"min_green_s of group {group.name} is too short"
         raise SiteError(wrong, group.min_green_ds / 10, f"at least {seconds(least_ds)}")
-    if group.max_green_ds != 0 and group.max_green_ds <= group.min_green_ds:
-        wrong = f"max_green_s of group {group.name} is not above its min_green_s"
-        raise SiteError(wrong, group.max_green_ds / 10, f"more than {seconds(group.min_green_ds)}, or 0 for no bound")
+    if group.max_green_ds != 0 and group.max_green_ds < group.min_green_ds:
+        wrong = f"max_green_s of group {group.name} is below its min_green_s"
+        raise SiteError(wrong, group.max_green_ds / 10, f"at least {seconds(group.min_green_ds)}, or 0 for no bound")
 
 
 def _check_movement(junction: Junction, movement: Movement) -> None:
