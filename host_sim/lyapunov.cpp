@@ -3,6 +3,8 @@
 
 #include "lyapunov.hpp"
 
+#include "jobs.hpp"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -62,6 +64,7 @@ std::array<double, 4> lyapunov_exponents(Integrator integrator, std::size_t step
     Matrix frame = Matrix::Identity();
     std::array<double, 4> sum{};
     for (std::size_t i = 0; i < steps; ++i) {
+        check_interrupt();
         const Eigen::HouseholderQR<Matrix> qr(tangent(integrator, state) * frame);
         frame = qr.householderQ();
         for (Eigen::Index k = 0; k < 4; ++k) {

@@ -18,8 +18,12 @@ namespace fs = std::filesystem;
 
 /// Where a link leads, so that the file is replaced and not the link.
 fs::path resolved(const fs::path &file) {
+    constexpr int most_links = 16;
     std::error_code error;
-    const fs::path target = fs::weakly_canonical(file, error);
+    fs::path target = file;
+    for (int i = 0; i < most_links && fs::is_symlink(target, error); ++i) {
+        target = target.parent_path() / fs::read_symlink(target, error); // an absolute link replaces the parent
+    }
     return error ? file : target;
 }
 

@@ -510,13 +510,16 @@ def test_the_profile_sets_the_integrator_unless_it_is_given() -> None:
     assert log_lines("--seconds", "50") == log_lines("--integrator", "rk4", "--seconds", "50")
 
 
-def test_a_link_is_written_through(tmp_path: Path) -> None:
+@pytest.mark.parametrize("exists", [True, False])
+def test_a_link_is_written_through(tmp_path: Path, exists: bool) -> None:
     (tmp_path / "there").mkdir()
+    target = tmp_path / "there" / "summary.json"
+    if exists:
+        target.write_text("old\n")
     (tmp_path / "summary.json").symlink_to("there/summary.json")
-    for _ in range(2):  # where there is no file yet, and where there is one
-        succeed("run", "--seconds", "3", "--summary", "summary.json", cwd=tmp_path)
-        assert (tmp_path / "summary.json").is_symlink()
-        assert json.loads((tmp_path / "there" / "summary.json").read_text())["seconds"] == 3
+    succeed("run", "--seconds", "3", "--summary", "summary.json", cwd=tmp_path)
+    assert (tmp_path / "summary.json").is_symlink()
+    assert json.loads(target.read_text())["seconds"] == 3
 
 
 def test_files_are_written_whole_and_replaced(tmp_path: Path) -> None:
