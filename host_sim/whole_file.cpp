@@ -19,12 +19,12 @@ namespace fs = std::filesystem;
 /// Where a link leads, so that the file is replaced and not the link.
 fs::path resolved(const fs::path &file) {
     constexpr int most_links = 16;
-    std::error_code error;
+    std::error_code ignored; // a link that leads nowhere yet is an answer too
     fs::path target = file;
-    for (int i = 0; i < most_links && fs::is_symlink(target, error); ++i) {
-        target = target.parent_path() / fs::read_symlink(target, error); // an absolute link replaces the parent
+    for (int i = 0; i < most_links && fs::is_symlink(target, ignored); ++i) {
+        target = target.parent_path() / fs::read_symlink(target, ignored); // an absolute link replaces the parent
     }
-    return error ? file : target;
+    return target;
 }
 
 bool is_written_directly(const fs::path &file) {
