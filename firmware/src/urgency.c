@@ -146,20 +146,8 @@ static void age_stages(elmopp_urgency_t *self, const elmopp_view_t *view, elmopp
     }
 }
 
-static elmopp_stage_t choose_by_urgency(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
-    elmopp_urgency_t *self = state;
-    for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
-        score[s] = 0.0F;
-    }
-    if (self->options.stage_age) {
-        score_by_stage(self, view, score);
-    } else {
-        score_by_movement(self, view, score);
-    }
-    if ((view->stage != ELMOPP_STAGE_NONE) && (view->stage != self->chosen)) {
-        self->chosen = view->stage; /* a maximum green brought it up */
-        self->chosen_score = score[view->stage];
-    }
+static elmopp_stage_t decide(const elmopp_urgency_t *self, const elmopp_view_t *view,
+                             const float score[ELMOPP_STAGE_MAX]) {
     elmopp_stage_t wanted;
     if ((view->stage == ELMOPP_STAGE_NONE) && (view->target != ELMOPP_STAGE_NONE)) {
         wanted = view->target; /* in the intergreen: the plan has committed itself */
@@ -170,10 +158,29 @@ static elmopp_stage_t choose_by_urgency(void *state, const elmopp_view_t *view, 
     } else {
         wanted = hold_or_leave(self, view, score);
     }
-    if (wanted != self->chosen) {
-        self->chosen = wanted;
-        self->chosen_score = score[wanted];
+    return wanted;
+}
+
+static void remember_choice(elmopp_urgency_t *self, elmopp_stage_t stage, const float score[ELMOPP_STAGE_MAX]) {
+    if ((stage != ELMOPP_STAGE_NONE) && (stage != self->chosen)) {
+        self->chosen = stage;
+        self->chosen_score = score[stage];
     }
+}
+
+static elmopp_stage_t choose_by_urgency(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
+    elmopp_urgency_t *self = state;
+    for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
+        score[s] = 0.0F;
+    }
+    if (self->options.stage_age) {
+        score_by_stage(self, view, score);
+    } else {
+        score_by_movement(self, view, score);
+    }
+    remember_choice(self, view->stage, score); /* a maximum green may have brought it up */
+    const elmopp_stage_t wanted = decide(self, view, score);
+    remember_choice(self, wanted, score);
     age_stages(self, view, wanted);
     return wanted;
 }
