@@ -3,7 +3,6 @@
 
 #include "bench.hpp"
 
-#include "autoregression.hpp"
 #include "jobs.hpp"
 #include "trial.hpp"
 #include "whole_file.hpp"
@@ -35,12 +34,8 @@ double median(std::vector<double> values) {
 }
 
 Demand bench_demand() {
-    const Series unit = unit_inflow(draw_trajectory(Integrator::rk4, 1, 0, 4), Mapping::abs, 4);
-    std::vector<elmopp_ar8_t> ar8;
-    for (const auto &series : unit) {
-        ar8.push_back(fit_ar8(series));
-    }
-    return make_demand(unit, vehicles, training_points, ar8, true, seconds);
+    const Source source = make_source(Integrator::rk4, Mapping::abs, 1, 0, 4);
+    return make_demand(source.unit, vehicles, training_points, source.ar8, true, seconds);
 }
 
 /// Two cores against one on the same trials, one after the other in each round so that both see the same machine.
@@ -77,8 +72,7 @@ void run_bench(const std::optional<std::filesystem::path> &json) {
     }
     nlohmann::ordered_json result;
     for (std::size_t i = 0; i < choosers.size(); ++i) {
-        const std::string name =
-            choosers[i].label() + (choosers[i].forecast == "none" ? "" : ":" + choosers[i].forecast);
+        const std::string name = full_name(choosers[i].label(), choosers[i].forecast);
         result["ticks_per_s." + name] = std::round(median(rates[i]));
         std::printf("%-24s %10.0f ticks/s\n", name.c_str(), median(rates[i]));
     }

@@ -65,6 +65,10 @@ void add_option(ChooserSpec &spec, const ChooserKind &kind, const std::string &w
     }
 }
 
+bool has(const ChooserSpec &spec, const std::string &option) {
+    return spec.options.count(option) != 0;
+}
+
 /// An option's number, or the default.
 double number_or(const ChooserSpec &spec, const std::string &option, double otherwise) {
     const auto found = spec.options.find(option);
@@ -91,7 +95,7 @@ std::uint16_t seconds_or(const ChooserSpec &spec, const std::string &option, uns
 /// The window, each end held against the other: the message names the one that was given.
 std::pair<std::uint16_t, std::uint16_t> window_of(const ChooserSpec &spec, unsigned min_s, unsigned max_s,
                                                   unsigned highest) {
-    const unsigned min_highest = spec.options.count("max") != 0 ? highest : std::min(max_s, highest);
+    const unsigned min_highest = has(spec, "max") ? highest : std::min(max_s, highest);
     const std::uint16_t shortest = seconds_or(spec, "min", min_s, 1, min_highest);
     return {shortest, seconds_or(spec, "max", max_s, shortest, highest)};
 }
@@ -103,10 +107,6 @@ float factor_or(const ChooserSpec &spec, const std::string &option, double other
                          "; right would be 1 to 1000000");
     }
     return static_cast<float>(value);
-}
-
-bool has(const ChooserSpec &spec, const std::string &option) {
-    return spec.options.count(option) != 0;
 }
 
 /// Under profile `literal` both take the best stage of every second; naive keeps eq. 2 (T per subedge), cumulative is
@@ -143,6 +143,10 @@ std::string ChooserSpec::label() const {
         text += "@" + option + (value.empty() ? "" : "=" + value);
     }
     return text;
+}
+
+std::string full_name(const std::string &label, const std::string &forecast) {
+    return forecast == "none" ? label : label + ":" + forecast;
 }
 
 bool ChooserSpec::operator==(const ChooserSpec &other) const {

@@ -29,6 +29,9 @@ struct ChooserSpec {
     [[nodiscard]] bool operator==(const ChooserSpec &other) const;
 };
 
+/// LABEL[:FORECAST], without a forecast of none: a row's name in tables, figures and messages.
+std::string full_name(const std::string &label, const std::string &forecast);
+
 struct ChooserKind {
     std::string name;
     std::string what;                 ///< one line for list

@@ -81,7 +81,7 @@ class Judge {
     }
 
     [[nodiscard]] static std::string name(const Player &player) {
-        return player.forecast == "none" ? player.label : player.label + ":" + player.forecast;
+        return full_name(player.label, player.forecast);
     }
 
     [[nodiscard]] static Claim missing(const std::string &id, const std::string &claim, const std::string &printed) {

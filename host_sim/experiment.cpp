@@ -3,7 +3,6 @@
 
 #include "experiment.hpp"
 
-#include "autoregression.hpp"
 #include "claims.hpp"
 #include "error.hpp"
 #include "jobs.hpp"
@@ -28,22 +27,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t seconds = simulated_points;
 constexpr std::size_t paper_approaches = 4;
 constexpr std::size_t lyapunov_steps = 400000;
-
-/// One trajectory, ready for every number of vehicles: mapped, normalised, its AR(8) fitted.
-struct Source {
-    Series unit;
-    std::vector<elmopp_ar8_t> ar8;
-    unsigned random_vehicles = 0;
-};
-
-Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, std::uint64_t trial) {
-    const Trajectory trajectory = draw_trajectory(integrator, seed, trial, paper_approaches);
-    Source source{unit_inflow(trajectory, mapping, paper_approaches), {}, trajectory.random_vehicles};
-    for (const auto &series : source.unit) {
-        source.ar8.push_back(fit_ar8(series));
-    }
-    return source;
-}
 
 /// One row to be: everything that distinguishes a trial.
 struct Cell {
@@ -148,7 +131,7 @@ class Experiment {
         }
         for (auto &[integrator, sources] : sources_) {
             const auto make = [&, which = integrator, &list = sources](std::size_t trial) {
-                list[trial] = make_source(which, request_.mapping, request_.seed, trial);
+                list[trial] = make_source(which, request_.mapping, request_.seed, trial, paper_approaches);
             };
             run_jobs(sources.size(), request_.jobs, make, {});
         }
@@ -233,8 +216,10 @@ void run_experiment(const ExperimentRequest &request) {
     const OutputFolder folder(request.out, result_files());
     const Facts facts = measure_facts(request);
     experiment.run();
-    const auto claims = judge(experiment.main_rows(), experiment.beside_rows(), facts);
-    write_results(folder.drafts(), experiment.main_rows(), experiment.beside_rows(), claims);
+    const auto rows = experiment.main_rows();
+    const auto beside = experiment.beside_rows();
+    const auto claims = judge(rows, beside, facts);
+    write_results(folder.drafts(), rows, beside, claims);
     const ToolResult drawn =
         request.figures ? run_tool("plot", {"--results", folder.drafts().string()}) : ToolResult{0, {}};
     std::string names;

@@ -15,10 +15,6 @@ namespace {
 constexpr double escape = 1e6;
 constexpr double most_vehicles_per_s = 10000.0;
 
-State along(const State &s, const State &slope, double step) {
-    return {s[0] + step * slope[0], s[1] + step * slope[1], s[2] + step * slope[2], s[3] + step * slope[3]};
-}
-
 bool bounded(const State &s) {
     // A NaN fails the comparison too.
     return std::all_of(s.begin(), s.end(), [](double value) { return std::abs(value) <= escape; });
@@ -53,8 +49,12 @@ double SplitMix64::uniform() {
     return static_cast<double>(next() >> 11U) * 0x1.0p-53;
 }
 
+State along(const State &s, const State &slope, double step) {
+    return {s[0] + step * slope[0], s[1] + step * slope[1], s[2] + step * slope[2], s[3] + step * slope[3]};
+}
+
 State derivative(const State &s) {
-    constexpr double a = 5.0, b = 20.0, c = 1.0, d = 0.1, e = 20.6, h = 1.0, k = 0.1;
+    using namespace parameters;
     const auto [x, y, z, w] = s;
     return {a * (y - x) - e * w, x * z - h * y, b - x * y - c * z, k * y - d * w};
 }

@@ -41,6 +41,14 @@ class SplitMix64 {
     std::uint64_t state_;
 };
 
+/// The printed system's parameters.
+namespace parameters {
+constexpr double a = 5.0, b = 20.0, c = 1.0, d = 0.1, e = 20.6, h = 1.0, k = 0.1;
+}
+
+/// s + step * slope.
+State along(const State &s, const State &slope, double step);
+
 /// Right-hand side of the printed system.
 State derivative(const State &s);
 

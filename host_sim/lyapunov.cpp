@@ -18,7 +18,7 @@ using Matrix = Eigen::Matrix4d;
 
 /// Jacobian of derivative().
 Matrix jacobian(const State &s) {
-    constexpr double a = 5.0, c = 1.0, d = 0.1, e = 20.6, h = 1.0, k = 0.1;
+    using namespace parameters;
     const double x = s[0], y = s[1], z = s[2];
     Matrix j;
     j << -a, a, 0.0, -e, //
@@ -26,14 +26,6 @@ Matrix jacobian(const State &s) {
         -y, -x, -c, 0.0, //
         0.0, k, 0.0, -d;
     return j;
-}
-
-State along(const State &s, const State &slope, double step) {
-    State moved = s;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-        moved[i] += step * slope[i];
-    }
-    return moved;
 }
 
 /// Derivative of advance() with respect to the state: the same stages, differentiated.

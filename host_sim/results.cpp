@@ -50,10 +50,6 @@ std::vector<Value> distinct(const std::vector<Row> &rows, const std::function<Va
 
 using Name = std::pair<std::string, std::string>; ///< chooser, forecast
 
-std::string text_of(const Name &name) {
-    return name.second == "none" ? name.first : name.first + ":" + name.second;
-}
-
 std::vector<Row> of_profile(const std::vector<Row> &rows, const std::string &profile) {
     std::vector<Row> found;
     std::copy_if(rows.begin(), rows.end(), std::back_inserter(found),
@@ -85,8 +81,8 @@ void write_pair(std::ofstream &out, const std::vector<Row> &rows, const std::str
         const Interval interval = paired_interval(pick_by_trial(rows, {profile, a.first, a.second, vehicles}, metric),
                                                   pick_by_trial(rows, {profile, b.first, b.second, vehicles}, metric));
         const Welch test = welch(of_a, of_b);
-        out << profile << ',' << (vehicles == 0 ? "pooled" : std::to_string(vehicles)) << ',' << text_of(a) << ','
-            << text_of(b) << ',' << metric.name;
+        out << profile << ',' << (vehicles == 0 ? "pooled" : std::to_string(vehicles)) << ','
+            << full_name(a.first, a.second) << ',' << full_name(b.first, b.second) << ',' << metric.name;
         for (const double value : {summarize(of_a).mean - summarize(of_b).mean, interval.low, interval.high, test.t,
                                    test.df, test.p_one_sided}) {
             out << ',' << format_number(value, 9);

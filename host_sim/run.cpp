@@ -3,7 +3,6 @@
 
 #include "run.hpp"
 
-#include "autoregression.hpp"
 #include "csv.hpp"
 #include "error.hpp"
 #include "results.hpp"
@@ -90,24 +89,6 @@ Scenario scenario_of(const RunRequest &request) {
     return make_scenario(profile, &site, request.split);
 }
 
-/// The generated inflow of one trial, with the regression fitted to its training points.
-struct Generated {
-    Series unit;
-    std::vector<elmopp_ar8_t> ar8;
-};
-
-Generated generate(const RunRequest &request, const Scenario &scenario) {
-    const std::size_t approaches = scenario.junction.approach_count;
-    const Integrator integrator = request.integrator.value_or(scenario.profile.integrator);
-    Generated generated{
-        unit_inflow(draw_trajectory(integrator, request.seed, request.trial, approaches), request.mapping, approaches),
-        {}};
-    for (const auto &series : generated.unit) {
-        generated.ar8.push_back(fit_ar8(series));
-    }
-    return generated;
-}
-
 bool is_same_file(const fs::path &a, const fs::path &b) {
     std::error_code ignored;
     return fs::weakly_canonical(a, ignored) == fs::weakly_canonical(b, ignored);
@@ -127,7 +108,9 @@ std::size_t checked_seconds(const RunRequest &request, std::size_t available) {
 void run_once(const RunRequest &request) {
     const Scenario scenario = scenario_of(request);
     const ChooserSpec chooser = request.chooser ? parse_chooser(*request.chooser) : site_chooser(scenario.junction);
-    const Generated generated = generate(request, scenario);
+    const Integrator integrator = request.integrator.value_or(scenario.profile.integrator);
+    const Source generated =
+        make_source(integrator, request.mapping, request.seed, request.trial, scenario.junction.approach_count);
     const Series unit = request.trace ? read_trace(*request.trace, scenario.approach_names()) : generated.unit;
     const std::size_t origin = request.trace ? 0 : training_points;
     const std::size_t seconds = checked_seconds(request, request.trace ? unit[0].size() : simulated_points);

@@ -155,6 +155,16 @@ class Control {
 
 } // namespace
 
+Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, std::uint64_t trial,
+                   std::size_t approaches) {
+    const Trajectory trajectory = draw_trajectory(integrator, seed, trial, approaches);
+    Source source{unit_inflow(trajectory, mapping, approaches), {}, trajectory.random_vehicles};
+    for (const auto &series : source.unit) {
+        source.ar8.push_back(fit_ar8(series));
+    }
+    return source;
+}
+
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds) {
     Demand demand{unit, origin, ar8, {}, {}};

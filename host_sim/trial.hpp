@@ -19,6 +19,16 @@
 
 namespace elmopp {
 
+/// One generated trajectory, ready for every number of vehicles: mapped, normalised, its AR(8) fitted.
+struct Source {
+    Series unit;
+    std::vector<elmopp_ar8_t> ar8; ///< [approach]
+    unsigned random_vehicles = 0;
+};
+
+Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, std::uint64_t trial,
+                   std::size_t approaches);
+
 /// The vehicles of one trajectory or trace, scaled to a demand, with everything that the forecasts need to know
 /// beforehand.
 struct Demand {
