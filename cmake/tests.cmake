@@ -3,6 +3,8 @@
 #
 # How a test is added. Every test runs in the project's root, so tests/golden/x.json is a path that works, and
 # says "skipped" with exit code 77; tools/check fails on a skip that tools/allowed-skips.txt does not name.
+# Where there is a target elmopp_board (tests/board), programs are built for that board, run in its emulator and have
+# the label qemu besides their own.
 
 # elmopp_add_unity_test(NAME <name> SOURCES <file>... [LIBS <target>...] [LABELS <label>...] [TIMEOUT <seconds>])
 #
@@ -15,7 +17,7 @@ function(elmopp_add_unity_test)
     endif()
     add_executable(${arg_NAME} ${arg_SOURCES})
     set_target_properties(${arg_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
-    target_link_libraries(${arg_NAME} PRIVATE ${arg_LIBS} elmopp_flags unity)
+    target_link_libraries(${arg_NAME} PRIVATE ${arg_LIBS} elmopp_flags unity $<TARGET_NAME_IF_EXISTS:elmopp_board>)
     add_test(NAME ${arg_NAME} COMMAND ${arg_NAME} WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
     _elmopp_set_test_properties("${arg_NAME}" "${arg_LABELS}" "${arg_TIMEOUT}")
 endfunction()
@@ -48,6 +50,9 @@ endfunction()
 function(_elmopp_set_test_properties test_name labels timeout)
     if(NOT labels)
         set(labels unit)
+    endif()
+    if(TARGET elmopp_board)
+        list(APPEND labels qemu)
     endif()
     if(NOT timeout)
         set(timeout 120)

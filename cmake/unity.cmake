@@ -2,7 +2,8 @@
 # Copyright 2026 The ELMOPP authors
 #
 # Provides the target `unity`, the test framework, from the first of these that is there:
-#   1. an installed copy: a CMake package `unity` with double support, or the sources that the Debian package cmock installs
+#   1. an installed copy: a CMake package `unity` with double support (not for another processor), or the sources that the
+#      Debian package cmock installs
 #   2. UNITY_SOURCE_DIR, a folder with unity.c and unity.h
 #   3. build/unity of the source folder, shared by all presets; cmake/fetch_unity.sh fills it once from
 #      Debian trixie's package cmock or else Debian bookworm's source package cjson, by pinned SHA-256
@@ -64,7 +65,10 @@ function(_elmopp_find_unity_source source_dir_var)
     set(${source_dir_var} "${fetched_dir}" PARENT_SCOPE)
 endfunction()
 
-_elmopp_use_installed_unity_library(unity_is_installed)
+set(unity_is_installed FALSE)
+if(NOT CMAKE_CROSSCOMPILING)
+    _elmopp_use_installed_unity_library(unity_is_installed)
+endif()
 if(unity_is_installed)
     message(STATUS "Unity: installed CMake package ${unity_DIR}")
 else()

@@ -166,7 +166,8 @@ const std::vector<ChooserKind> &chooser_kinds() {
 }
 
 const std::vector<std::string> &forecast_names() {
-    static const std::vector<std::string> names{"none", "mean", "persistence", "ewma", "ar8", "oracle"};
+    static const std::vector<std::string> names{"none", "mean", "persistence", "ewma",
+                                                "ar8",  "lstm", "nlstm",       "oracle"};
     return names;
 }
 
@@ -216,8 +217,8 @@ std::vector<ChooserSpec> parse_choosers(const std::string &text) {
 }
 
 std::vector<ChooserSpec> paper_table() {
-    return parse_choosers("naive,cumulative:none,cumulative:mean,cumulative:persistence,cumulative:ar8,cumulative:"
-                          "oracle,pressure,itlc,oaf,fixed");
+    return parse_choosers("naive,cumulative:none,cumulative:mean,cumulative:persistence,cumulative:ar8,cumulative:lstm,"
+                          "cumulative:nlstm,cumulative:oracle,pressure,itlc,oaf,fixed");
 }
 
 ChooserSpec site_chooser(const elmopp_junction_t &junction) {

@@ -57,8 +57,7 @@ class Judge {
                 horizon(),
                 hyperchaos(),
                 literal(),
-                {"three_levels", "a triply nested LSTM forecasts the inflow",
-                 "abstract; the evaluation uses a single LSTM", "the nested LSTM is not built", Verdict::not_run},
+                three_levels(),
                 counting()};
     }
 
@@ -162,14 +161,14 @@ class Judge {
                 verdict(std::abs(test.t - printed_t) <= t_tolerance * printed_t)};
     }
 
-    /// ELMOPP's delay less that of a chooser without a forecast, paired by trial: the numbers of vehicles of one trial
-    /// share its initial state and count once.
-    [[nodiscard]] std::optional<Interval> saved(const Player &without) const {
-        if (!has_printed_grid(elmopp_, "paper") || !has_printed_grid(without, "paper")) {
+    /// A player's delay less that of a chooser without a forecast, paired by trial: the numbers of vehicles of one
+    /// trial share its initial state and count once.
+    [[nodiscard]] std::optional<Interval> saved(const Player &player, const Player &without) const {
+        if (!has_printed_grid(player, "paper") || !has_printed_grid(without, "paper")) {
             return std::nullopt;
         }
         const Metric &delay = find_metric("mean_delay_s");
-        const auto with = pick_by_trial(rows_, {"paper", elmopp_.label, elmopp_.forecast, 0}, delay);
+        const auto with = pick_by_trial(rows_, {"paper", player.label, player.forecast, 0}, delay);
         const auto other = pick_by_trial(rows_, {"paper", without.label, without.forecast, 0}, delay);
         if (with.size() < 2 || with.size() != other.size()) {
             return std::nullopt;
@@ -177,20 +176,64 @@ class Judge {
         return paired_interval(with, other);
     }
 
+    /// The forecasts that were run, ELMOPP's own first.
+    [[nodiscard]] std::vector<Player> foreseeing() const {
+        std::vector<Player> players{elmopp_};
+        std::set<std::string> seen{elmopp_.forecast, "none"};
+        for (const auto &row : rows_) {
+            if (row.profile == "paper" && row.chooser == elmopp_.label && seen.insert(row.forecast).second) {
+                players.push_back({elmopp_.label, row.forecast});
+            }
+        }
+        return players;
+    }
+
+    /// The verdict is on ELMOPP's own forecast; the others stand beside it.
     [[nodiscard]] Claim prediction() const {
         const std::string claim = "predicting the inflow lowers the delay, against naive and against no forecast";
         const std::string printed = "the algorithm's purpose; no figure";
-        const auto naive = saved({"naive", "none"});
-        const auto blind = saved({"cumulative", "none"});
+        const auto text = [](const Interval &interval) {
+            return "[" + format_number(interval.low, 3) + ", " + format_number(interval.high, 3) + "]";
+        };
+        std::vector<std::string> texts;
+        for (const auto &player : foreseeing()) {
+            const auto naive = saved(player, {"naive", "none"});
+            const auto blind = saved(player, {"cumulative", "none"});
+            if (naive && blind) {
+                texts.push_back(name(player) + " " + text(*naive) + ", " + text(*blind));
+            }
+        }
+        const auto naive = saved(elmopp_, {"naive", "none"});
+        const auto blind = saved(elmopp_, {"cumulative", "none"});
         if (!naive || !blind) {
             return missing("prediction_helps", claim, printed);
         }
-        const auto text = [](const Interval &interval) {
-            return "[" + format_number(interval.low, 3) + ", " + format_number(interval.high, 3) + "] s";
-        };
-        const std::string measured = name(elmopp_) + ", paired difference of delay, 95 % interval: to naive " +
-                                     text(*naive) + ", to cumulative " + text(*blind);
+        const std::string measured =
+            "paired difference of delay in s, 95 % interval, to naive and to cumulative without "
+            "a forecast: " +
+            join(texts, "; ");
         return {"prediction_helps", claim, printed, measured, verdict(naive->high < 0.0 && blind->high < 0.0)};
+    }
+
+    [[nodiscard]] Claim three_levels() const {
+        const std::string claim = "three levels remember longer: a triply nested LSTM forecasts an hour ahead better "
+                                  "than one level of as many parameters";
+        const std::string printed = "at least three levels are necessary; no figure";
+        if (!facts_.long_memory) {
+            return {"three_levels", claim, printed, "weights/long_memory.json of tools/train was not found",
+                    Verdict::not_run};
+        }
+        const auto &[one, three] = *facts_.long_memory;
+        const Interval difference = paired_interval(three, one);
+        bool always = true;
+        for (std::size_t seed = 0; seed < one.size(); ++seed) {
+            always = always && three[seed] < one[seed];
+        }
+        const std::string measured = "RMSE 60 minutes ahead over " + std::to_string(one.size()) + " seeds: one level " +
+                                     format_number(summarize(one).mean, 4) + ", three " +
+                                     format_number(summarize(three).mean, 4) + " vehicles/min, paired difference [" +
+                                     format_number(difference.low, 3) + ", " + format_number(difference.high, 3) + "]";
+        return {"three_levels", claim, printed, measured, verdict(always && difference.high < 0.0)};
     }
 
     [[nodiscard]] Claim horizon() const {
@@ -306,6 +349,24 @@ void write_claims(const std::filesystem::path &file, const std::vector<Claim> &c
     if (!out.flush()) {
         throw Failure(file.string() + ": could not be written");
     }
+}
+
+LongMemory read_long_memory(const std::filesystem::path &file) {
+    std::ifstream stream(file);
+    const auto json = nlohmann::json::parse(stream, nullptr, false);
+    LongMemory memory;
+    try {
+        memory = {json.at("rmse").at("lstm1").at("60").get<std::vector<double>>(),
+                  json.at("rmse").at("lstm3").at("60").get<std::vector<double>>()};
+    } catch (const nlohmann::json::exception &) {
+        memory = {};
+    }
+    if (memory.rmse_1.size() < 2 || memory.rmse_1.size() != memory.rmse_3.size()) {
+        throw BadRequest(file.string() +
+                         ": no errors of at least two seeds at rmse.lstm1.60 and rmse.lstm3.60; right " +
+                         "would be a file of tools/train");
+    }
+    return memory;
 }
 
 double read_count_error(const std::filesystem::path &file) {

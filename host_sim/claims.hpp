@@ -18,11 +18,18 @@
 
 namespace elmopp {
 
+/// How far networks of one and of three levels were from one-minute demand an hour ahead (weights/long_memory.json).
+struct LongMemory {
+    std::vector<double> rmse_1; ///< [seed] one level
+    std::vector<double> rmse_3; ///< [seed] three levels, as many parameters
+};
+
 /// Measured apart from the trials.
 struct Facts {
     std::array<double, 4> exponents_rk4{};
     std::array<double, 4> exponents_euler{};
     std::optional<double> count_error; ///< share of vehicles miscounted by the camera, pooled over clips
+    std::optional<LongMemory> long_memory;
 };
 
 enum class Verdict { reproduced, not_reproduced, not_run };
@@ -46,6 +53,9 @@ void write_claims(const std::filesystem::path &file, const std::vector<Claim> &c
 
 /// The camera's pooled count error from a file of tools/score-counter. Throws BadRequest if it is not there.
 double read_count_error(const std::filesystem::path &file);
+
+/// The errors an hour ahead from a file of tools/train. Throws BadRequest if they are not there.
+LongMemory read_long_memory(const std::filesystem::path &file);
 
 /// Of one chooser's sweep (`itlc`, `itlc@ready=60`, ...) the label with the best pooled mean, among those with as many
 /// trials as the plain one. Empty if there is none.

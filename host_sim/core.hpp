@@ -6,12 +6,15 @@
 #pragma once
 
 extern "C" {
+#include "elmopp/ar8.h"
 #include "elmopp/chooser.h"
 #include "elmopp/controller.h"
 #include "elmopp/forecast.h"
 #include "elmopp/junction.h"
+#include "elmopp/lstm_f32.h"
 #include "elmopp/plan.h"
 #include "elmopp/pressure.h"
 #include "elmopp/site.h"
 #include "elmopp/urgency.h"
+#include "elmopp/weights.h"
 }

@@ -91,6 +91,7 @@ class Experiment {
 
     void run() {
         make_sources();
+        look_ahead();
         rows_.resize(cells_.size());
         Progress progress(cells_.size());
         run_jobs(
@@ -137,12 +138,40 @@ class Experiment {
         }
     }
 
+    /// Every network that a cell asks for runs once over each trajectory.
+    void look_ahead() {
+        std::map<std::pair<Integrator, std::string>, std::uint16_t> steps;
+        for (const auto &cell : cells_) {
+            if (shipped_weights(cell.chooser.forecast) != nullptr) {
+                const Scenario &scenario = scenarios_[cell.scenario];
+                auto &most = steps[{integrator_of(scenario), cell.chooser.forecast}];
+                const std::uint16_t asked_s = make_chooser(cell.chooser, scenario)->chooser.horizon_s;
+                most = std::max({most, asked_s, std::uint16_t{ELMOPP_CONTROLLER_TRACE_S}});
+            }
+        }
+        for (const auto &[key, most] : steps) {
+            const auto &sources = sources_.at(key.first);
+            auto &list = foresights_[key];
+            list.resize(sources.size());
+            const auto look = [&, forecast = key.second, count = most, &found = list](std::size_t trial) {
+                found[trial] = foresee(*shipped_weights(forecast), sources[trial].unit, count, seconds);
+            };
+            run_jobs(sources.size(), request_.jobs, look, {});
+        }
+    }
+
+    [[nodiscard]] const Foresight *foresight_of(const Cell &cell) const {
+        const auto found = foresights_.find({integrator_of(scenarios_[cell.scenario]), cell.chooser.forecast});
+        return found == foresights_.end() ? nullptr : &found->second[cell.trial];
+    }
+
     [[nodiscard]] Row run_cell(const Cell &cell) const {
         const Scenario &scenario = scenarios_[cell.scenario];
         const Source &source = sources_.at(integrator_of(scenario))[cell.trial];
         const unsigned vehicles = cell.vehicles == 0 ? source.random_vehicles : cell.vehicles;
         const double each = vehicles_per_approach(scenario.profile.scope, vehicles, paper_approaches);
-        const Demand demand = make_demand(source.unit, each, training_points, source.ar8, true, seconds);
+        Demand demand = make_demand(source.unit, each, training_points, source.ar8, true, seconds);
+        demand.foresight = foresight_of(cell);
         return {scenario.profile.name,
                 cell.chooser.label(),
                 cell.chooser.forecast,
@@ -157,6 +186,7 @@ class Experiment {
     std::vector<Cell> cells_;
     std::size_t main_cells_ = 0;
     std::map<Integrator, std::vector<Source>> sources_;
+    std::map<std::pair<Integrator, std::string>, std::vector<Foresight>> foresights_;
     std::vector<Row> rows_;
 };
 
@@ -168,6 +198,10 @@ Facts measure_facts(const ExperimentRequest &request) {
     };
     if (request.count_scores) {
         facts.count_error = read_count_error(*request.count_scores);
+    }
+    const fs::path long_memory = find_data("weights/long_memory.json");
+    if (!long_memory.empty()) {
+        facts.long_memory = read_long_memory(long_memory);
     }
     run_jobs(2, request.jobs, measure, {});
     return facts;

@@ -3,6 +3,7 @@
 
 /// host_sim: the command line. Turns arguments into requests and exceptions into exit codes; it computes nothing.
 
+#include "accuracy.hpp"
 #include "bench.hpp"
 #include "choosers.hpp"
 #include "csv.hpp"
@@ -119,6 +120,7 @@ struct Texts {
     std::string scope{"per_inroad"};
     std::string site;
     std::string trace;
+    std::string weights;
     std::string seconds;
     std::string link{"inproc"};
     std::string log;
@@ -126,17 +128,20 @@ struct Texts {
     std::string points{"10000"};
     std::string csv;
     std::string json;
+    std::vector<std::string> weight_files;
     bool full = false;
     bool no_figures = false;
     bool list_json = false;
+    bool forecast_only = false;
 };
 
 Mapping mapping_of(const std::string &text) {
     return one_of<Mapping>("--mapping", text, {{"abs", Mapping::abs}, {"shift", Mapping::shift}});
 }
 
-unsigned default_jobs() {
-    return std::max(1U, std::thread::hardware_concurrency());
+unsigned jobs_of(const CLI::App &command, const Texts &texts) {
+    return command.count("--jobs") > 0 ? static_cast<unsigned>(whole("--jobs", texts.jobs, 1, most_jobs))
+                                       : std::max(1U, std::thread::hardware_concurrency());
 }
 
 void add_traffic_options(CLI::App *command, Texts &texts) {
@@ -164,7 +169,7 @@ ExperimentRequest experiment_request(const CLI::App &command, const Texts &texts
     request.vehicles = has("--vehicles") ? vehicles_list(texts.vehicles) : request.vehicles;
     request.trials = whole("--trials", texts.trials, 1, most_trials);
     request.seed = whole("--seed", texts.seed, 0, largest_seed);
-    request.jobs = has("--jobs") ? static_cast<unsigned>(whole("--jobs", texts.jobs, 1, most_jobs)) : default_jobs();
+    request.jobs = jobs_of(command, texts);
     request.out = texts.out;
     request.split = split_of(command, texts.split);
     request.mapping = mapping_of(texts.mapping);
@@ -211,6 +216,7 @@ RunRequest run_request(const CLI::App &command, const Texts &texts) {
     request.seed = whole("--seed", texts.seed, 0, largest_seed);
     request.trial = whole("--trial", texts.trial, 0, largest_seed);
     request.trace = given(command, "--trace", std::filesystem::path(texts.trace));
+    request.weights = given(command, "--weights", std::filesystem::path(texts.weights));
     if (has("--seconds")) {
         request.seconds = whole("--seconds", texts.seconds, 1, 1e7);
     }
@@ -237,6 +243,8 @@ void add_run(CLI::App &app, Texts &texts) {
     option("--trial", texts.trial, "N", "Which of the seed's initial conditions")->capture_default_str();
     option("--trace", texts.trace, "FILE",
            "Recorded traffic instead: CSV with t_s and a column an approach, vehicles per second");
+    option("--weights", texts.weights, "FILE",
+           "ELMW image for lstm or nlstm, made by tools/weights (default: those built in)");
     option("--seconds", texts.seconds, "N", "Length (default: 2000, or the trace's)");
     option("--log", texts.log, "FILE", "Decision log, JSON lines; - is stdout");
     command->add_flag("--full", texts.full, "Queues, reds and departures in the log too");
@@ -281,10 +289,36 @@ void add_inflow(CLI::App &app, Texts &texts) {
 }
 
 void add_bench(CLI::App &app, Texts &texts) {
-    auto *command =
-        app.add_subcommand("bench", "Simulated seconds a second, per chooser, and the speed-up of two jobs");
+    auto *command = app.add_subcommand(
+        "bench", "Time of a network's step and of a forecast, simulated seconds a second, the speed-up of two jobs");
     command->add_option("--json", texts.json, "File for the figures")->type_name("FILE");
-    command->callback([command, &texts] { run_bench(given(*command, "--json", std::filesystem::path(texts.json))); });
+    command->add_flag("--forecast-only", texts.forecast_only, "Only the networks: a few seconds");
+    command->callback([command, &texts] {
+        run_bench(given(*command, "--json", std::filesystem::path(texts.json)), texts.forecast_only);
+    });
+}
+
+void add_accuracy(CLI::App &app, Texts &texts) {
+    auto *command = app.add_subcommand(
+        "accuracy", "Errors of every forecast 1, 10, 30 and 60 s ahead, over the trials of the experiment");
+    command->add_option("--trials", texts.trials, "Initial conditions")->type_name("N")->capture_default_str();
+    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->type_name("N")->capture_default_str();
+    command->add_option("--jobs", texts.jobs, "Trials at the same time (default: one a core); changes no result")
+        ->type_name("N");
+    command
+        ->add_option("--weights", texts.weight_files,
+                     "ELMW image instead of the network of as many levels; may be given more than once")
+        ->type_name("FILE");
+    command->add_option("--json", texts.json, "File for the figures")->type_name("FILE");
+    command->callback([command, &texts] {
+        AccuracyRequest request;
+        request.weights.assign(texts.weight_files.begin(), texts.weight_files.end());
+        request.trials = whole("--trials", texts.trials, 1, most_trials);
+        request.seed = whole("--seed", texts.seed, 0, largest_seed);
+        request.jobs = jobs_of(*command, texts);
+        request.json = given(*command, "--json", std::filesystem::path(texts.json));
+        run_accuracy(request);
+    });
 }
 
 nlohmann::ordered_json built() {
@@ -356,6 +390,7 @@ int run(int argc, char **argv) {
     add_experiment(app, texts);
     add_run(app, texts);
     add_inflow(app, texts);
+    add_accuracy(app, texts);
     add_bench(app, texts);
     add_list(app, texts);
     check_command(app, argc > 1 ? argv[1] : "");

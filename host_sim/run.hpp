@@ -24,6 +24,7 @@ struct RunRequest {
     std::uint64_t seed = 1;
     std::uint64_t trial = 0;
     std::optional<std::filesystem::path> trace;   ///< replaces the generated inflow
+    std::optional<std::filesystem::path> weights; ///< an ELMW image instead of the shipped weights
     std::optional<std::size_t> seconds;           ///< 2000, or the trace's length
     std::optional<std::filesystem::path> log;     ///< decision log, JSON lines; "-" for stdout
     bool full = false;                            ///< with queues, reds and departures

@@ -67,16 +67,25 @@ class TemporaryFolder {
 
 } // namespace
 
-fs::path find_tool(const std::string &name) {
+fs::path find_data(const std::string &name) {
     const fs::path program = fs::read_symlink("/proc/self/exe").parent_path();
-    for (const auto *const candidate : {"../../../tools", "../share/elmopp/tools"}) {
-        const fs::path folder = (program / candidate).lexically_normal();
-        if (fs::exists(folder / name)) {
-            return folder / name;
+    for (const auto *const candidate : {"../../..", "../share/elmopp"}) {
+        const fs::path file = (program / candidate / name).lexically_normal();
+        if (fs::exists(file)) {
+            return file;
         }
     }
-    throw BadRequest("tools/" + name + " was not found near " + program.string() +
-                     "; right would be the build tree or an installed copy");
+    return {};
+}
+
+fs::path find_tool(const std::string &name) {
+    const fs::path tool = find_data("tools/" + name);
+    if (tool.empty()) {
+        throw BadRequest("tools/" + name + " was not found near " +
+                         fs::read_symlink("/proc/self/exe").parent_path().string() +
+                         "; right would be the build tree or an installed copy");
+    }
+    return tool;
 }
 
 ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments) {

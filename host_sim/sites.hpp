@@ -24,6 +24,10 @@ namespace elmopp {
 /// A Python tool that belongs to this program: of the source tree around the build, or of the installed share folder.
 std::filesystem::path find_tool(const std::string &name);
 
+/// A file that belongs to this program, such as "weights/long_memory.json", of the same places; empty if it is not
+/// there.
+std::filesystem::path find_data(const std::string &name);
+
 struct ToolResult {
     int exit_code;
     std::string last_line; ///< of what it said on stderr

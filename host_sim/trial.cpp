@@ -8,6 +8,7 @@
 #include "jobs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace elmopp {
@@ -103,6 +104,13 @@ class Meter {
     elmopp_stage_t last_ = ELMOPP_STAGE_NONE;
 };
 
+/// The forecast that the core makes for itself; what comes from outside is none to it.
+elmopp_forecast_config_t forecast_of(const ChooserSpec &spec, const Demand &demand) {
+    const elmopp_weights_t *weights = demand.weights != nullptr ? demand.weights : shipped_weights(spec.forecast);
+    return {demand.foresight != nullptr ? forecast_kind("none") : forecast_kind(spec.forecast), demand.ar8.data(),
+            demand.mean_veh_per_s.empty() ? nullptr : demand.mean_veh_per_s.data(), weights};
+}
+
 /// The controller with its counts.
 class Control {
   public:
@@ -110,17 +118,9 @@ class Control {
         : scenario_(scenario), demand_(demand), oracle_(spec.forecast == "oracle"),
           plugged_(make_chooser(spec, scenario)), present_veh(scenario.capacity_veh.size()),
           arrived_veh(scenario.capacity_veh.size()) {
-        const elmopp_forecast_config_t config{forecast_kind(spec.forecast), demand.ar8.data(),
-                                              demand.mean_veh_per_s.empty() ? nullptr : demand.mean_veh_per_s.data()};
+        const elmopp_forecast_config_t config = forecast_of(spec, demand);
         elmopp_controller_init(&controller, &scenario.junction, &plugged_->chooser, &config);
-        const std::size_t known = std::min<std::size_t>(demand.origin, ELMOPP_FORECAST_MEAN_WINDOW_S);
-        for (std::size_t point = demand.origin - known; point < demand.origin; ++point) {
-            for (std::size_t j = 0; j < arrived_veh.size(); ++j) {
-                const double inflow = demand.veh_per_s[scenario.junction.movement[j].approach][point];
-                arrived_veh[j] = static_cast<float>(inflow * scenario.share[j]);
-            }
-            elmopp_controller_absorb(&controller, arrived_veh.data());
-        }
+        Arrivals(scenario, demand).absorb_known(controller);
     }
 
     void decide(const Traffic &traffic, std::size_t t_s) {
@@ -128,24 +128,37 @@ class Control {
             present_veh[j] = static_cast<float>(traffic.queue_veh()[j]);
             arrived_veh[j] = static_cast<float>(traffic.arrived_veh()[j]);
         }
-        elmopp_foreseen_t foreseen{};
-        if (oracle_) {
-            foreseen.steps = ELMOPP_HORIZON_MAX;
-            for (std::size_t i = 0; i < scenario_.junction.approach_count; ++i) {
-                foreseen.row_veh[i] = &demand_.future_veh[i][t_s];
-            }
-        }
         const elmopp_counts_t counts{present_veh.data(), arrived_veh.data()};
-        if (!elmopp_controller_step(&controller, &counts, oracle_ ? &foreseen : nullptr)) {
+        const bool given = oracle_ || demand_.foresight != nullptr;
+        const elmopp_foreseen_t foreseen = given ? rows_from_outside(t_s) : elmopp_foreseen_t{};
+        if (!elmopp_controller_step(&controller, &counts, given ? &foreseen : nullptr)) {
             throw Failure("second " + std::to_string(t_s) + ": the controller refused the counts");
         }
     }
 
   private:
+    elmopp_foreseen_t rows_from_outside(std::size_t t_s) {
+        elmopp_foreseen_t foreseen{};
+        foreseen.steps = oracle_ ? std::uint16_t{ELMOPP_HORIZON_MAX} : demand_.foresight->steps;
+        for (std::size_t i = 0; i < scenario_.junction.approach_count; ++i) {
+            if (oracle_) {
+                foreseen.row_veh[i] = &demand_.future_veh[i][t_s];
+                continue;
+            }
+            const float *unit = demand_.foresight->row(t_s, i);
+            const auto scale = static_cast<float>(demand_.vehicles_per_approach);
+            std::transform(unit, unit + foreseen.steps, scaled_veh_[i].begin(),
+                           [scale](float value) { return value * scale; });
+            foreseen.row_veh[i] = scaled_veh_[i].data();
+        }
+        return foreseen;
+    }
+
     const Scenario &scenario_;
     const Demand &demand_;
     bool oracle_;
     std::unique_ptr<Plugged> plugged_;
+    std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> scaled_veh_{};
 
   public:
     elmopp_controller_t controller{};
@@ -154,6 +167,24 @@ class Control {
 };
 
 } // namespace
+
+Arrivals::Arrivals(const Scenario &scenario, const Demand &demand)
+    : scenario_(scenario), demand_(demand), arrived_veh_(scenario.junction.movement_count) {}
+
+const float *Arrivals::at(std::size_t point) {
+    for (std::size_t j = 0; j < arrived_veh_.size(); ++j) {
+        const double inflow = demand_.veh_per_s[scenario_.junction.movement[j].approach][point];
+        arrived_veh_[j] = static_cast<float>(inflow * scenario_.share[j]);
+    }
+    return arrived_veh_.data();
+}
+
+void Arrivals::absorb_known(elmopp_controller_t &controller) {
+    const std::size_t known = std::min<std::size_t>(demand_.origin, ELMOPP_FORECAST_MEAN_WINDOW_S);
+    for (std::size_t point = demand_.origin - known; point < demand_.origin; ++point) {
+        elmopp_controller_absorb(&controller, at(point));
+    }
+}
 
 Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, std::uint64_t trial,
                    std::size_t approaches) {
@@ -167,7 +198,7 @@ Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, s
 
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds) {
-    Demand demand{unit, origin, ar8, {}, {}};
+    Demand demand{unit, origin, ar8, {}, {}, nullptr, vehicles_per_approach, nullptr};
     for (auto &series : demand.veh_per_s) {
         for (double &value : series) {
             value *= vehicles_per_approach;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "choosers.hpp"
+#include "foresight.hpp"
 #include "inflow.hpp"
 #include "scenario.hpp"
 #include "traffic.hpp"
@@ -38,6 +39,25 @@ struct Demand {
     std::vector<float> mean_veh_per_s; ///< [approach]; empty: the forecast averages for itself
     std::vector<std::vector<float>>
         future_veh; ///< [approach][second + 1...]: the oracle's rows, ELMOPP_HORIZON_MAX longer
+    /// What a network was found to say; null: it runs inside the trial. The rows count `vehicles_per_approach` times.
+    const Foresight *foresight = nullptr;
+    double vehicles_per_approach = 1.0;
+    const elmopp_weights_t *weights = nullptr; ///< instead of the shipped ones
+};
+
+/// The arrivals as the core counts them.
+class Arrivals {
+  public:
+    Arrivals(const Scenario &scenario, const Demand &demand);
+    /// [movement] vehicles of the second at this point of the series; valid until the next call.
+    const float *at(std::size_t point);
+    /// Shows a controller what is known before second 0, at most the last 15 minutes.
+    void absorb_known(elmopp_controller_t &controller);
+
+  private:
+    const Scenario &scenario_;
+    const Demand &demand_;
+    std::vector<float> arrived_veh_;
 };
 
 /// Scales a unit series to so many vehicles an approach and prepares the oracle's rows for `seconds`.

@@ -9,6 +9,11 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
         LABELS sim generated TIMEOUT 600)
     set_tests_properties(documents PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
 
+    elmopp_add_python_test(NAME test_accuracy
+        COMMAND -m pytest -q tests/python/test_accuracy.py
+        LABELS sim golden generated TIMEOUT 300)
+    set_tests_properties(test_accuracy PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
+
     add_test(NAME all_choosers
         COMMAND host_sim experiment --profile paper,saturation,figure,literal --choosers all --no-figures
             --out ${PROJECT_BINARY_DIR}/all_choosers)

@@ -5,6 +5,7 @@
 
 #include "elmopp/controller.h"
 #include "elmopp/urgency.h"
+#include "elmopp_weights.h"
 #include "sites.h"
 #include "unity.h"
 
@@ -482,6 +483,98 @@ static void test_sixty_absorbed_seconds_make_the_shares_known(void) {
     TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 0.75F, script.share[0]);
 }
 
+/* --- whom the controller trusts --- */
+
+/* A network that says far too much, and traffic that never changes: the mean and persistence are right. */
+static void start_with_a_loud_network(void) {
+    static elmopp_weights_t loud;
+    static const float mean_veh_per_s[APPROACHES] = {1.0F, 1.0F};
+    loud = elmopp_weights_lstm;
+    loud.lstm.head_bias[0] = 900.0F;
+    const elmopp_forecast_config_t config = {
+        .kind = ELMOPP_FORECAST_LSTM, .mean_veh_per_s = mean_veh_per_s, .weights = &loud};
+    start(0U, &config);
+    arrived_veh[0] = 1.0F;
+    arrived_veh[1] = 1.0F;
+}
+
+static void test_a_network_is_told_from_its_own_rows_and_its_cold_start(void) {
+    start_with_a_loud_network();
+    for (uint32_t n = 1U; n < ELMOPP_FORECAST_COLD_S; n++) {
+        step();
+        TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_COLD, controller.foresight);
+        TEST_ASSERT_EQUAL_FLOAT(1.0F, script.first_veh[0]);
+    }
+    step();
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);
+    TEST_ASSERT_EQUAL_FLOAT(elmopp_weights_lstm.high[0], script.first_veh[0]);
+}
+
+/* Cold probes say the mean and are right, so the account is bad from the first warm one on. */
+static void test_a_network_that_is_worse_than_the_mean_is_not_listened_to(void) {
+    start_with_a_loud_network();
+    const uint32_t first_wrong = ELMOPP_FORECAST_COLD_S + ELMOPP_FORECAST_PROBE_S;
+    for (uint32_t n = 1U; n < first_wrong; n++) {
+        step();
+        TEST_ASSERT_FALSE(controller.foresight == ELMOPP_FORESIGHT_DISTRUSTED);
+    }
+    step();
+    TEST_ASSERT_EQUAL_UINT32(ELMOPP_CONTROLLER_ACCOUNT_MIN_S, elmopp_forecast_error(&controller.forecast).compared_s);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_DISTRUSTED, controller.foresight);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, script.first_veh[0]);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, script.last_veh[0]);
+    TEST_ASSERT_EQUAL_FLOAT(60.0F, controller.foreseen_sum_veh[0]);
+}
+
+static void test_an_account_that_is_too_short_is_no_reason(void) {
+    start_with_a_loud_network();
+    seconds(70U, 0U);
+    controller.forecast.error = (elmopp_forecast_error_t){9.0F, 1.0F, 1.0F, ELMOPP_CONTROLLER_ACCOUNT_MIN_S - 2U};
+    step();
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);
+}
+
+/* Either is enough; as good as both is good enough; and trust comes back. */
+static void test_trust_follows_the_account_against_persistence_and_the_mean(void) {
+    static const elmopp_forecast_error_t accounts[] = {
+        {2.0F, 1.0F, 3.0F, 500U}, {2.0F, 3.0F, 1.0F, 500U}, {2.0F, 3.0F, 3.0F, 500U}, {0.0F, 0.0F, 0.0F, 500U}};
+    static const elmopp_foresight_t right[] = {ELMOPP_FORESIGHT_DISTRUSTED, ELMOPP_FORESIGHT_DISTRUSTED,
+                                               ELMOPP_FORESIGHT_OWN, ELMOPP_FORESIGHT_OWN};
+    start_with_a_loud_network();
+    for (uint32_t n = 0U; n < 70U; n++) {
+        elmopp_controller_absorb(&controller, arrived_veh); /* nothing is said, so nothing is compared */
+    }
+    for (uint32_t i = 0U; i < 4U; i++) {
+        controller.forecast.error = accounts[i];
+        step();
+        TEST_ASSERT_EQUAL_INT(right[i], controller.foresight);
+    }
+}
+
+/* The comparison rows of the experiment stay what they are called. */
+static void test_only_a_network_can_lose_trust(void) {
+    start_with(ELMOPP_FORECAST_PERSISTENCE, 0U);
+    controller.forecast.error = (elmopp_forecast_error_t){9.0F, 1.0F, 1.0F, 500U};
+    arrived_veh[0] = 2.0F;
+    step();
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);
+    TEST_ASSERT_EQUAL_FLOAT(2.0F, script.first_veh[0]);
+}
+
+static void test_weights_that_cannot_be_used_are_told(void) {
+    start_with(ELMOPP_FORECAST_NLSTM, 0U);
+    arrived_veh[0] = 2.0F;
+    step();
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_UNARMED, controller.foresight);
+    TEST_ASSERT_EQUAL_FLOAT(2.0F, script.first_veh[0]);
+}
+
+static void test_rows_from_outside_are_told(void) {
+    static const elmopp_foreseen_t blind = {.steps = 0U};
+    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &counts, &blind));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_GIVEN, controller.foresight);
+}
+
 /* --- with a real chooser --- */
 
 /* Stage 0 serves until the hold window ends it: chosen at second 0, up at 1 s, left at 1 + 10 s for the longer queue.
@@ -544,6 +637,13 @@ int main(void) {
     RUN_TEST(test_the_forecast_observes_under_an_oracle_too);
     RUN_TEST(test_absorb_shows_the_forecast_a_second_and_decides_nothing);
     RUN_TEST(test_sixty_absorbed_seconds_make_the_shares_known);
+    RUN_TEST(test_a_network_is_told_from_its_own_rows_and_its_cold_start);
+    RUN_TEST(test_a_network_that_is_worse_than_the_mean_is_not_listened_to);
+    RUN_TEST(test_an_account_that_is_too_short_is_no_reason);
+    RUN_TEST(test_trust_follows_the_account_against_persistence_and_the_mean);
+    RUN_TEST(test_only_a_network_can_lose_trust);
+    RUN_TEST(test_weights_that_cannot_be_used_are_told);
+    RUN_TEST(test_rows_from_outside_are_told);
     RUN_TEST(test_urgency_drives_the_lamps);
     return UNITY_END();
 }

@@ -47,17 +47,44 @@ static uint32_t waiting_movements(const elmopp_controller_t *self, const float *
     return waiting;
 }
 
+/* The account covers every kind; only a network can go astray on traffic that it was not made for. */
+static bool is_distrusted(const elmopp_forecast_t *forecast) {
+    const bool network = (forecast->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
+                         (forecast->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
+    const elmopp_forecast_error_t error = elmopp_forecast_error(forecast);
+    const bool worse = (error.forecast > error.mean) || (error.forecast > error.persistence);
+    return network && worse && (error.compared_s >= ELMOPP_CONTROLLER_ACCOUNT_MIN_S);
+}
+
+/* The forecast's own rows. Also when they are not used: the account has to go on. */
+static void look_for_itself(elmopp_controller_t *self, elmopp_view_t *view) {
+    const uint16_t asked_s = self->chooser.horizon_s;
+    const uint16_t steps = (asked_s > ELMOPP_CONTROLLER_TRACE_S) ? asked_s : (uint16_t)ELMOPP_CONTROLLER_TRACE_S;
+    view->foreseen_steps = elmopp_forecast_look(&self->forecast, steps, view->foreseen_veh);
+    const elmopp_forecast_status_t status = elmopp_forecast_status(&self->forecast);
+    self->foresight = ELMOPP_FORESIGHT_OWN;
+    if (status == ELMOPP_FORECAST_UNARMED) {
+        self->foresight = ELMOPP_FORESIGHT_UNARMED;
+    } else if (status == ELMOPP_FORECAST_COLD) {
+        self->foresight = ELMOPP_FORESIGHT_COLD;
+    } else if (is_distrusted(&self->forecast)) {
+        self->foresight = ELMOPP_FORESIGHT_DISTRUSTED;
+        view->foreseen_steps = elmopp_forecast_fall_back(&self->forecast, steps, view->foreseen_veh);
+    } else {
+        /* as asked */
+    }
+}
+
 static void look_ahead(elmopp_controller_t *self, const elmopp_foreseen_t *foreseen, elmopp_view_t *view) {
     if (foreseen != NULL) {
         ELMOPP_ASSERT(foreseen->steps <= ELMOPP_HORIZON_MAX);
+        self->foresight = ELMOPP_FORESIGHT_GIVEN;
         view->foreseen_steps = foreseen->steps;
         for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
             view->foreseen_veh[i] = foreseen->row_veh[i];
         }
     } else {
-        const uint16_t asked_s = self->chooser.horizon_s;
-        const uint16_t steps = (asked_s > ELMOPP_CONTROLLER_TRACE_S) ? asked_s : (uint16_t)ELMOPP_CONTROLLER_TRACE_S;
-        view->foreseen_steps = elmopp_forecast_look(&self->forecast, steps, view->foreseen_veh);
+        look_for_itself(self, view);
     }
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
         self->foreseen_sum_veh[i] = 0.0F;

@@ -34,12 +34,79 @@ static void update_shares(elmopp_forecast_t *self) {
     }
 }
 
+static bool is_network(const elmopp_forecast_t *self) {
+    return (self->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
+           (self->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
+}
+
+static bool fits(const elmopp_weights_t *weights, uint8_t kind) {
+    if ((weights == NULL) || (elmopp_weights_check(weights) != ELMOPP_WEIGHTS_OK)) {
+        return false;
+    }
+    return (weights->lstm.levels == 1U) == (kind == (uint8_t)ELMOPP_FORECAST_LSTM);
+}
+
 void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junction,
                           const elmopp_forecast_config_t *config) {
     ELMOPP_ASSERT(config->kind < (uint8_t)ELMOPP_FORECAST_COUNT);
     ELMOPP_ASSERT((config->kind != (uint8_t)ELMOPP_FORECAST_AR8) || (config->ar8 != NULL));
     *self = (elmopp_forecast_t){.config = *config, .junction = junction};
+    self->armed = is_network(self) && fits(config->weights, config->kind);
     update_shares(self);
+}
+
+static float scale_of(const elmopp_forecast_t *self, uint32_t approach) {
+    return (self->config.mean_veh_per_s != NULL) ? self->config.mean_veh_per_s[approach] : self->mean_veh[approach];
+}
+
+static float held_in(float value, float low, float high) {
+    const float bounded = (value > low) ? value : low;
+    return (bounded < high) ? bounded : high;
+}
+
+static uint32_t group_count(const elmopp_forecast_t *self) {
+    return (self->junction->approach_count + ELMOPP_FORECAST_GROUP_SIZE - 1U) / ELMOPP_FORECAST_GROUP_SIZE;
+}
+
+/* The network sees one second. Inputs without an approach, or without any demand, are 0. */
+static void remember(elmopp_forecast_t *self) {
+    const elmopp_weights_t *weights = self->config.weights;
+    for (uint32_t group = 0U; group < group_count(self); group++) {
+        float input[ELMOPP_FORECAST_GROUP_SIZE] = {0.0F, 0.0F, 0.0F, 0.0F};
+        for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
+            const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
+            const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
+            if (scale_veh > 0.0F) {
+                input[k] = held_in(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
+            }
+        }
+        elmopp_lstm_f32_step(&weights->lstm, &self->memory[group], input);
+    }
+}
+
+/* What the due probe said is compared with what came, and makes room for the next. */
+static void settle(elmopp_forecast_t *self) {
+    elmopp_forecast_probe_t *due = &self->probe[self->probe_at];
+    if (due->said) {
+        elmopp_forecast_error_t now = {0};
+        for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+            const float came_veh = self->last_veh[i][0];
+            const float forecast = due->forecast_veh[i] - came_veh;
+            const float persistence = due->persistence_veh[i] - came_veh;
+            const float mean = due->mean_veh[i] - came_veh;
+            now.forecast += forecast * forecast;
+            now.persistence += persistence * persistence;
+            now.mean += mean * mean;
+        }
+        const float count = (float)self->junction->approach_count;
+        self->error.compared_s += (self->error.compared_s < UINT32_MAX) ? 1U : 0U;
+        const uint32_t seen = self->error.compared_s;
+        average(&self->error.forecast, now.forecast / count, seen, ELMOPP_FORECAST_ERROR_WINDOW_S);
+        average(&self->error.persistence, now.persistence / count, seen, ELMOPP_FORECAST_ERROR_WINDOW_S);
+        average(&self->error.mean, now.mean / count, seen, ELMOPP_FORECAST_ERROR_WINDOW_S);
+    }
+    due->said = false;
+    self->probe_at = (self->probe_at + 1U) % ELMOPP_FORECAST_PROBE_S;
 }
 
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh) {
@@ -58,65 +125,140 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
         self->last_veh[i][0] = sum_veh;
     }
     update_shares(self);
-}
-
-static float scale_of(const elmopp_forecast_t *self, uint32_t approach) {
-    return (self->config.mean_veh_per_s != NULL) ? self->config.mean_veh_per_s[approach] : self->mean_veh[approach];
-}
-
-/* Iterates the regression in units of the demand scale; its own output becomes the newest lag. */
-static void roll_out(const elmopp_ar8_t *model, const float last_veh[ELMOPP_AR8_LAGS], float scale_veh, float *row_veh,
-                     uint32_t steps) {
-    float lag[ELMOPP_AR8_LAGS];
-    for (uint32_t k = 0U; k < ELMOPP_AR8_LAGS; k++) {
-        lag[k] = last_veh[k] / scale_veh;
-    }
-    for (uint32_t t = 0U; t < steps; t++) {
-        float next = model->intercept;
-        for (uint32_t k = 0U; k < ELMOPP_AR8_LAGS; k++) {
-            next += model->lag[k] * lag[k];
-        }
-        next = (next > model->low) ? next : model->low;
-        next = (next < model->high) ? next : model->high;
-        for (uint32_t k = ELMOPP_AR8_LAGS - 1U; k > 0U; k--) {
-            lag[k] = lag[k - 1U];
-        }
-        lag[0] = next;
-        row_veh[t] = next * scale_veh;
+    settle(self);
+    if (self->armed) {
+        remember(self);
     }
 }
 
-static void fill_row(elmopp_forecast_t *self, uint32_t approach, uint32_t steps) {
-    const float scale_veh = scale_of(self, approach);
-    const uint8_t kind = self->config.kind;
-    if ((kind == (uint8_t)ELMOPP_FORECAST_AR8) && (self->seen_s >= ELMOPP_AR8_LAGS) && (scale_veh > 0.0F)) {
-        roll_out(&self->config.ar8[approach], self->last_veh[approach], scale_veh, self->row_veh[approach], steps);
-        return;
+elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self) {
+    if (is_network(self)) {
+        const elmopp_forecast_status_t armed =
+            (self->seen_s < ELMOPP_FORECAST_COLD_S) ? ELMOPP_FORECAST_COLD : ELMOPP_FORECAST_READY;
+        return self->armed ? armed : ELMOPP_FORECAST_UNARMED;
     }
-    float value_veh = scale_veh;
-    if (kind == (uint8_t)ELMOPP_FORECAST_PERSISTENCE) {
-        value_veh = self->last_veh[approach][0];
-    } else if (kind == (uint8_t)ELMOPP_FORECAST_EWMA) {
-        value_veh = self->ewma_veh[approach];
-    } else {
-        /* the mean, also for a regression that has seen too little */
-    }
+    const bool short_of_lags = (self->config.kind == (uint8_t)ELMOPP_FORECAST_AR8) && (self->seen_s < ELMOPP_AR8_LAGS);
+    return short_of_lags ? ELMOPP_FORECAST_COLD : ELMOPP_FORECAST_READY;
+}
+
+elmopp_forecast_error_t elmopp_forecast_error(const elmopp_forecast_t *self) {
+    return self->error;
+}
+
+static void fill_constant(elmopp_forecast_t *self, uint32_t approach, float value_veh, uint32_t steps) {
     for (uint32_t t = 0U; t < steps; t++) {
         self->row_veh[approach][t] = value_veh;
     }
 }
 
-uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
-    ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
-    const bool none = self->config.kind == (uint8_t)ELMOPP_FORECAST_NONE;
-    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-        rows[i] = NULL;
-        if ((!none) && (i < self->junction->approach_count)) {
-            fill_row(self, i, steps);
-            rows[i] = self->row_veh[i];
+static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uint32_t steps) {
+    const float scale_veh = scale_of(self, approach);
+    if (scale_veh <= 0.0F) {
+        fill_constant(self, approach, 0.0F, steps);
+        return;
+    }
+    float last[ELMOPP_AR8_LAGS];
+    for (uint32_t k = 0U; k < ELMOPP_AR8_LAGS; k++) {
+        last[k] = self->last_veh[approach][k] / scale_veh;
+    }
+    elmopp_ar8_roll_out(&self->config.ar8[approach], last, self->row_veh[approach], steps);
+    for (uint32_t t = 0U; t < steps; t++) {
+        self->row_veh[approach][t] *= scale_veh;
+    }
+}
+
+/* Runs one group's network on its own output, from a copy of its memory. */
+static void fill_with_network(elmopp_forecast_t *self, uint32_t group, elmopp_lstm_f32_state_t memory, uint32_t steps) {
+    const elmopp_weights_t *weights = self->config.weights;
+    for (uint32_t t = 0U; t < steps; t++) {
+        float next[ELMOPP_FORECAST_GROUP_SIZE];
+        elmopp_lstm_f32_output(&weights->lstm, &memory, next);
+        for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
+            const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
+            if (approach < self->junction->approach_count) {
+                next[k] = held_in(next[k], weights->low[k], weights->high[k]);
+                self->row_veh[approach][t] = next[k] * scale_of(self, approach);
+            } else {
+                next[k] = 0.0F;
+            }
+        }
+        if ((t + 1U) < steps) {
+            elmopp_lstm_f32_step(&weights->lstm, &memory, next);
         }
     }
+}
+
+static void fill_by_approach(elmopp_forecast_t *self, uint32_t approach, uint32_t steps) {
+    switch (self->config.kind) {
+    case ELMOPP_FORECAST_AR8:
+        fill_with_regression(self, approach, steps);
+        break;
+    case ELMOPP_FORECAST_PERSISTENCE:
+        fill_constant(self, approach, self->last_veh[approach][0], steps);
+        break;
+    case ELMOPP_FORECAST_EWMA:
+        fill_constant(self, approach, self->ewma_veh[approach], steps);
+        break;
+    default:
+        fill_constant(self, approach, scale_of(self, approach), steps);
+        break;
+    }
+}
+
+static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
+    if (elmopp_forecast_status(self) != ELMOPP_FORECAST_READY) {
+        for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+            fill_constant(self, i, scale_of(self, i), steps);
+        }
+    } else if (is_network(self)) {
+        for (uint32_t group = 0U; group < group_count(self); group++) {
+            fill_with_network(self, group, self->memory[group], steps);
+        }
+    } else {
+        for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+            fill_by_approach(self, i, steps);
+        }
+    }
+}
+
+/* Enters what is said about the probe's second into the slot that falls due then. */
+static void enter(elmopp_forecast_t *self) {
+    /* settle() moved on at the last observation: the slot before is due in ELMOPP_FORECAST_PROBE_S of them. */
+    elmopp_forecast_probe_t *slot =
+        &self->probe[(self->probe_at + ELMOPP_FORECAST_PROBE_S - 1U) % ELMOPP_FORECAST_PROBE_S];
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        slot->forecast_veh[i] = self->row_veh[i][ELMOPP_FORECAST_PROBE_S - 1U];
+        slot->persistence_veh[i] = self->last_veh[i][0];
+        slot->mean_veh[i] = scale_of(self, i);
+    }
+    slot->said = true;
+}
+
+static uint16_t hand_out(const elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
+    const bool none = self->config.kind == (uint8_t)ELMOPP_FORECAST_NONE;
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        rows[i] = ((!none) && (i < self->junction->approach_count)) ? self->row_veh[i] : NULL;
+    }
     return none ? 0U : steps;
+}
+
+uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
+    ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
+    if (self->config.kind != (uint8_t)ELMOPP_FORECAST_NONE) {
+        fill_rows(self, steps);
+        if (steps >= ELMOPP_FORECAST_PROBE_S) {
+            enter(self);
+        }
+    }
+    return hand_out(self, steps, rows);
+}
+
+uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
+    ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        fill_constant(self, i, scale_of(self, i), steps);
+    }
+    return hand_out(self, steps, rows);
 }
 
 const float *elmopp_forecast_share(const elmopp_forecast_t *self) {

@@ -3,6 +3,8 @@
 
 #include "elmopp/site.h"
 
+#include "elmopp/image.h"
+
 #include <string.h>
 
 #define AMBER_MIN_DS 30U
@@ -183,42 +185,35 @@ elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
     return verdict;
 }
 
-static uint32_t crc32(const uint8_t *bytes, uint32_t length) {
-    uint32_t crc = 0xFFFFFFFFU;
-    for (uint32_t i = 0U; i < length; i++) {
-        crc ^= bytes[i];
-        for (uint32_t k = 0U; k < 8U; k++) {
-            crc = ((crc & 1U) != 0U) ? ((crc >> 1U) ^ 0xEDB88320U) : (crc >> 1U);
-        }
-    }
-    return ~crc;
-}
-
-static uint32_t word_at(const uint8_t *bytes) {
-    return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8U) | ((uint32_t)bytes[2] << 16U) | ((uint32_t)bytes[3] << 24U);
-}
-
 static elmopp_site_verdict_t check_envelope(const uint8_t *image, uint32_t length) {
-    static const uint8_t magic[4] = {0x45U, 0x4CU, 0x4DU, 0x53U}; /* "ELMS" */
-    if ((length < ELMOPP_SITE_IMAGE_HEADER) || (memcmp(image, magic, sizeof magic) != 0)) {
-        return fault(ELMOPP_SITE_IMAGE_MAGIC, 0U, 0U);
+    static const elmopp_image_kind_t kind = {
+        {0x45U, 0x4CU, 0x4DU, 0x53U}, ELMOPP_SITE_IMAGE_VERSION_NOW, (uint32_t)sizeof(elmopp_junction_t)}; /* "ELMS" */
+    elmopp_site_fault_t what = ELMOPP_SITE_OK;
+    switch (elmopp_image_check(&kind, image, length)) {
+    case ELMOPP_IMAGE_OK:
+        break;
+    case ELMOPP_IMAGE_MAGIC:
+        what = ELMOPP_SITE_IMAGE_MAGIC;
+        break;
+    case ELMOPP_IMAGE_VERSION:
+        what = ELMOPP_SITE_IMAGE_VERSION;
+        break;
+    case ELMOPP_IMAGE_LENGTH:
+        what = ELMOPP_SITE_IMAGE_LENGTH;
+        break;
+    case ELMOPP_IMAGE_CRC:
+    default:
+        what = ELMOPP_SITE_IMAGE_CRC;
+        break;
     }
-    if (word_at(&image[4]) != ELMOPP_SITE_IMAGE_VERSION_NOW) {
-        return fault(ELMOPP_SITE_IMAGE_VERSION, 0U, 0U);
-    }
-    const uint32_t body = (uint32_t)sizeof(elmopp_junction_t);
-    if ((word_at(&image[8]) != body) || (length != (ELMOPP_SITE_IMAGE_HEADER + body))) {
-        return fault(ELMOPP_SITE_IMAGE_LENGTH, 0U, 0U);
-    }
-    const bool intact = word_at(&image[12]) == crc32(&image[ELMOPP_SITE_IMAGE_HEADER], body);
-    return intact ? ok : fault(ELMOPP_SITE_IMAGE_CRC, 0U, 0U);
+    return fault(what, 0U, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_load(const uint8_t *image, uint32_t length, elmopp_junction_t *out) {
     elmopp_site_verdict_t verdict = check_envelope(image, length);
     if (verdict.fault == ELMOPP_SITE_OK) {
         elmopp_junction_t loaded;
-        (void)memcpy(&loaded, &image[ELMOPP_SITE_IMAGE_HEADER], sizeof loaded);
+        (void)memcpy(&loaded, &image[ELMOPP_IMAGE_HEADER], sizeof loaded);
         verdict = elmopp_site_check(&loaded);
         if (verdict.fault == ELMOPP_SITE_OK) {
             *out = loaded;

@@ -18,7 +18,7 @@ extern "C" void tearDown(void) {}
 namespace {
 
 const std::string all_choosers = "naive, cumulative, pressure, itlc, oaf, fixed";
-const std::string all_forecasts = "none, mean, persistence, ewma, ar8, oracle";
+const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, oracle";
 
 std::unique_ptr<Plugged> made(const std::string &text, const std::string &profile = "paper") {
     static std::map<std::string, Scenario> scenarios; // they outlive what is made for them
@@ -209,19 +209,20 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
     const auto found = texts(parse_choosers("all"));
     const std::set<std::string> unique(found.begin(), found.end());
     const std::set<std::string> expected{
-        "naive:none",     "cumulative:none",   "cumulative:mean", "cumulative:ewma", "cumulative:persistence",
-        "cumulative:ar8", "cumulative:oracle", "pressure:none",   "itlc:none",       "oaf:none",
-        "fixed:none"};
+        "naive:none",     "cumulative:none", "cumulative:mean",  "cumulative:ewma",   "cumulative:persistence",
+        "cumulative:ar8", "cumulative:lstm", "cumulative:nlstm", "cumulative:oracle", "pressure:none",
+        "itlc:none",      "oaf:none",        "fixed:none"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());
 }
 
 void test_papers_table() {
-    TEST_ASSERT_TRUE((texts(paper_table()) ==
-                      std::vector<std::string>{"naive:none", "cumulative:none", "cumulative:mean",
-                                               "cumulative:persistence", "cumulative:ar8", "cumulative:oracle",
-                                               "pressure:none", "itlc:none", "oaf:none", "fixed:none"}));
+    TEST_ASSERT_TRUE(
+        (texts(paper_table()) == std::vector<std::string>{"naive:none", "cumulative:none", "cumulative:mean",
+                                                          "cumulative:persistence", "cumulative:ar8", "cumulative:lstm",
+                                                          "cumulative:nlstm", "cumulative:oracle", "pressure:none",
+                                                          "itlc:none", "oaf:none", "fixed:none"}));
 }
 
 void test_site_names_its_chooser() {
@@ -238,8 +239,9 @@ void test_site_names_its_chooser() {
 
 void test_forecasts_have_the_codes_of_the_core() {
     const std::vector<std::pair<std::string, int>> codes{
-        {"none", ELMOPP_FORECAST_NONE}, {"mean", ELMOPP_FORECAST_MEAN}, {"persistence", ELMOPP_FORECAST_PERSISTENCE},
-        {"ewma", ELMOPP_FORECAST_EWMA}, {"ar8", ELMOPP_FORECAST_AR8},   {"oracle", ELMOPP_FORECAST_NONE}};
+        {"none", ELMOPP_FORECAST_NONE},   {"mean", ELMOPP_FORECAST_MEAN},  {"persistence", ELMOPP_FORECAST_PERSISTENCE},
+        {"ewma", ELMOPP_FORECAST_EWMA},   {"ar8", ELMOPP_FORECAST_AR8},    {"lstm", ELMOPP_FORECAST_LSTM},
+        {"nlstm", ELMOPP_FORECAST_NLSTM}, {"oracle", ELMOPP_FORECAST_NONE}};
     for (const auto &[name, code] : codes) {
         TEST_ASSERT_EQUAL_UINT_MESSAGE(code, forecast_kind(name), name.c_str());
     }

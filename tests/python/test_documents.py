@@ -17,6 +17,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "release" / "bin" / "host_sim"))
 DOCUMENTS = ("README.md", "docs/algorithm.md")
+FORECASTS = ("none", "mean", "persistence", "ar8", "lstm", "nlstm", "oracle")
 CLAIMS = [
     "ranking_throughput",
     "curve_falls",
@@ -75,6 +76,6 @@ def test_the_table_is_the_papers(results: Path) -> None:
     with (results / "trials.csv").open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     names = list(dict.fromkeys(f"{row['chooser']}:{row['forecast']}" for row in rows))
-    cumulative = [f"cumulative:{forecast}" for forecast in ("none", "mean", "persistence", "ar8", "oracle")]
+    cumulative = [f"cumulative:{forecast}" for forecast in FORECASTS]
     assert names == ["naive:none", *cumulative, "pressure:none", "itlc:none", "oaf:none", "fixed:none"]
-    assert len(rows) == 2 * 10 * 5 * 30
+    assert len(rows) == 2 * 12 * 5 * 30

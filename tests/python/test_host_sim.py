@@ -48,7 +48,7 @@ CLAIMS = [
     *["t_elmopp_itlc", "t_elmopp_oaf", "t_itlc_oaf", "prediction_helps", "horizon_417"],
     *["hyperchaos_euler", "literal_works", "three_levels", "count_accuracy"],
 ]
-RUN_KEYS = ["profile", "site", "chooser", "forecast", "vehicles", "seed", "trial", "seconds"]
+RUN_KEYS = ["profile", "site", "chooser", "forecast", "vehicles", "seed", "trial", "seconds", "fallback_s"]
 LOG_KEYS = ["t_s", "stage", "aspects", "present", "arrived", "urgency", "forecast", "fault"]
 FULL_KEYS = ["queue_veh", "outside_veh", "red_s", "out_veh"]
 
@@ -142,11 +142,16 @@ BAD_VALUES = [
     ("run --site ", "--site", ".toml or .bin"),
     ("run --trace nowhere.csv", "nowhere.csv", "cannot be read"),
     ("run --trace ", "cannot be read", "CSV"),
+    ("run --chooser cumulative:lstm --weights nowhere.elmw", "nowhere.elmw", "tools/weights"),
+    ("run --chooser cumulative:lstm --weights file", "file", "not an ELMW image"),
+    ("accuracy --weights nowhere.elmw", "nowhere.elmw", "tools/weights"),
+    ("accuracy --trials 0", '"0"', "1 to 100000"),
+    ("accuracy --json nowhere/x.json", "nowhere/x.json", "--json"),
     ("run --frob 1", "--frob", "--help"),
     ("run frob", "frob", "--help"),
     ("run --vehicles", "--vehicles", "--help"),
-    ("frob", '"frob"', "experiment, run, inflow, bench, list"),
-    ("", "no command", "experiment, run, inflow, bench, list"),
+    ("frob", '"frob"', "experiment, run, inflow, accuracy, bench, list"),
+    ("", "no command", "experiment, run, inflow, accuracy, bench, list"),
     ("--frob", "--frob", "--help"),
     ("inflow", "--csv", "--help"),
     ("inflow --csv x --points 0", '"0"', "1 to 10150"),
@@ -344,9 +349,11 @@ def test_an_interrupted_experiment_leaves_nothing(tmp_path: Path, number: signal
 
 OPTIONS = {
     "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split",
-    "run": "profile site chooser vehicles trial trace seconds log full summary link integrator seed mapping split",
+    "run": "profile site chooser vehicles trial trace weights seconds log full summary link integrator seed mapping "
+    "split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",
-    "bench": "json",
+    "accuracy": "trials seed jobs weights json",
+    "bench": "json forecast-only",
     "list": "json",
 }
 
@@ -386,7 +393,7 @@ def test_list_as_json() -> None:
         "oaf": True,
         "fixed": True,
     }
-    assert listed["forecasts"] == ["none", "mean", "persistence", "ewma", "ar8", "oracle"]
+    assert listed["forecasts"] == ["none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "oracle"]
     assert listed["links"] == ["inproc"]
 
 
@@ -659,11 +666,74 @@ def test_a_site_alone_gets_profile_saturation_and_its_own_chooser(images: dict[s
 
 
 # --------------------------------------------------------------------------------------------------------------------
+# run: networks
+# --------------------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def weights(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The shipped networks as images."""
+    folder = tmp_path_factory.mktemp("weights")
+    source = ROOT / "weights" / "forecast.safetensors"
+    images = {name: folder / f"{name}.elmw" for name in ("lstm", "nlstm")}
+    words = [word for name, file in images.items() for word in (f"--image-{name}", str(file))]
+    subprocess.run([sys.executable, str(ROOT / "tools" / "weights"), str(source), *words], check=True)
+    return images
+
+
+@pytest.mark.parametrize("name", ["lstm", "nlstm"])
+def test_weights_from_an_image_are_those_built_in(weights: dict[str, Path], name: str) -> None:
+    arguments = ["--chooser", f"cumulative:{name}", "--seconds", "200"]
+    assert log_lines(*arguments, "--weights", str(weights[name])) == log_lines(*arguments)
+
+
+def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Path) -> None:
+    good = weights["lstm"].read_bytes()
+    file = tmp_path / "bad.elmw"
+    cases = {
+        "not an ELMW image": b"ELMX" + good[4:],
+        "of another version": good[:4] + b"\x02" + good[5:],
+        "of another length": good[:-1],
+        "checksum does not fit": good[:9000] + bytes([good[9000] ^ 4]) + good[9001:],
+    }
+    for words, content in cases.items():
+        file.write_bytes(content)
+        for command in (["run", "--chooser", "cumulative:lstm"], ["accuracy"]):
+            done = host_sim(*command, "--weights", str(file))
+            assert (done.returncode, done.stdout) == (2, "")
+            assert len(done.stderr.splitlines()) == 1
+            assert words in done.stderr
+            assert str(file) in done.stderr
+
+
+@pytest.mark.parametrize("chooser", ["naive", "cumulative:ar8", "cumulative:nlstm"])
+def test_weights_for_a_chooser_that_cannot_use_them_are_refused(weights: dict[str, Path], chooser: str) -> None:
+    done = host_sim("run", "--chooser", chooser, "--weights", str(weights["lstm"]))
+    assert done.returncode == 2
+    assert "right would be a chooser with forecast lstm" in done.stderr
+
+
+def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path: Path) -> None:
+    """Vehicles one by one, at random, as on a street: the mean is the best that can be said, and is what is used."""
+    rng = np.random.default_rng(4)
+    counts = rng.poisson(0.2, size=(1500, 4))
+    lines = ["t_s,N,E,S,W", *(f"{t},{','.join(map(str, row))}" for t, row in enumerate(counts))]
+    (tmp_path / "street.csv").write_text("\n".join(lines) + "\n")
+    arguments = ["--trace", str(tmp_path / "street.csv"), "--profile", "saturation"]
+    summary = json.loads(succeed("run", *arguments, "--chooser", "cumulative:lstm").stdout)
+    assert summary["fallback_s"] > 1200
+    plain = json.loads(succeed("run", *arguments, "--chooser", "cumulative:mean").stdout)
+    assert plain["fallback_s"] == 0
+    assert summary["mean_delay_s"] == pytest.approx(plain["mean_delay_s"], rel=0.2)
+
+
+# --------------------------------------------------------------------------------------------------------------------
 # experiment: its files
 # --------------------------------------------------------------------------------------------------------------------
 
 SMALL = [
-    *["--profile", "paper,saturation", "--choosers", "naive,cumulative:ar8,cumulative:oracle,itlc,itlc@ready=60"],
+    *["--profile", "paper,saturation"],
+    *["--choosers", "naive,cumulative:ar8,cumulative:lstm,cumulative:oracle,itlc,itlc@ready=60"],
     *["--vehicles", "200,800", "--trials", "3", "--no-figures"],
 ]
 FILES = ["claims.json", "pairs.csv", "summary.json", "trials.csv"]
@@ -726,6 +796,7 @@ def test_trials_hold_the_spelled_out_columns_and_every_cell_once(small: Path) ->
     names = [
         ("naive", "none"),
         ("cumulative", "ar8"),
+        ("cumulative", "lstm"),
         ("cumulative", "oracle"),
         ("itlc", "none"),
         ("itlc@ready=60", "none"),
@@ -750,13 +821,15 @@ def test_no_vehicle_is_lost(small: Path) -> None:
         assert number["served_share"] == pytest.approx(number["vehicles_out"] / number["vehicles_in"], rel=1e-9)
 
 
-def test_trials_are_the_same_as_single_runs(small: Path) -> None:
+@pytest.mark.parametrize("forecast", ["ar8", "lstm"])
+def test_trials_are_the_same_as_single_runs(small: Path, forecast: str) -> None:
+    """A network runs inside a single run, and once for all choosers and vehicles in an experiment."""
     row = next(
         row
         for row in rows_of(small / "trials.csv")
-        if (row["profile"], row["forecast"], row["vehicles"], row["trial"]) == ("saturation", "ar8", "800", "2")
+        if (row["profile"], row["forecast"], row["vehicles"], row["trial"]) == ("saturation", forecast, "800", "2")
     )
-    arguments = ["--profile", "saturation", "--chooser", "cumulative:ar8", "--vehicles", "800", "--trial", "2"]
+    arguments = ["--profile", "saturation", "--chooser", f"cumulative:{forecast}", "--vehicles", "800", "--trial", "2"]
     summary = json.loads(succeed("run", *arguments).stdout)
     for key in HEADER.split(",")[6:]:
         assert float(row[key]) == pytest.approx(summary[key], rel=1e-11, abs=1e-11)
@@ -765,7 +838,7 @@ def test_trials_are_the_same_as_single_runs(small: Path) -> None:
 def test_summary_is_made_of_the_trials(small: Path) -> None:
     rows = rows_of(small / "trials.csv")
     summary = json.loads((small / "summary.json").read_text())
-    assert len(summary) == 2 * 5 * 2 * len(METRICS)
+    assert len(summary) == 2 * 6 * 2 * len(METRICS)
     seen = set()
     for entry in summary:
         assert list(entry) == ["profile", "chooser", "forecast", "vehicles", "metric", "mean", "sd", "n"]
@@ -783,7 +856,7 @@ def test_pairs_are_made_of_the_trials(small: Path) -> None:
     assert text.splitlines()[0] == "profile,vehicles,a,b,metric,diff,ci_low,ci_high,t,df,p_one_sided"
     rows = rows_of(small / "trials.csv")
     pairs = rows_of(small / "pairs.csv")
-    assert len(pairs) == 2 * math.comb(5, 2) * 3 * 3  # profiles, pairs, {200, 800, pooled}, metrics
+    assert len(pairs) == 2 * math.comb(6, 2) * 3 * 3  # profiles, pairs, {200, 800, pooled}, metrics
     for pair in pairs:
         samples, by_trial = [], []
         for name in (pair["a"], pair["b"]):
@@ -862,7 +935,7 @@ def digests() -> dict[str, str]:
     found = {}
     for site in ("paper", "four_way"):
         where = [] if site == "paper" else ["--site", str(SITES_BY_NAME[site])]
-        for chooser in ("naive", "cumulative:mean", "pressure"):
+        for chooser in ("naive", "cumulative:mean", "cumulative:lstm", "cumulative:nlstm", "pressure"):
             lines = log_lines(*where, "--chooser", chooser, "--seconds", "300")
             found[f"{site} {chooser}"] = hashlib.sha256("\n".join(lines).encode()).hexdigest()
     return found

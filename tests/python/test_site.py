@@ -117,7 +117,7 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "hold 0": ("[10, 60]", "[0, 60]", ["hold_s", "[0, 60]"]),
     "hold 151": ("[10, 60]", "[10, 151]", ["hold_s", "[10, 151]", "150"]),
     "unknown chooser": ('"naive"', '"clever"', ["chooser", '"clever"', "naive, cumulative, pressure"]),
-    "unknown forecast": ('"none"', '"lstm"', ["forecast", '"lstm"', "ar8"]),
+    "unknown forecast": ('"none"', '"lstn"', ["forecast", '"lstn"', "ar8", "nlstm"]),
     "street by Greenshields": (
         "reach_m = 75",
         'reach_m = 75\ndischarge = "greenshields"\nfree_flow_m_per_s = 10',

@@ -22,7 +22,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "build" / "check"
-TESTED_PRESETS = ("host", "asan", "release")
+PRESETS = ("host", "asan", "release", "cortex-m4")
 C_FOLDERS = ("firmware", "host_sim", "tests")
 C_SUFFIXES = (".c", ".h", ".cpp", ".hpp")
 JOBS = len(os.sched_getaffinity(0))
@@ -169,12 +169,12 @@ def run_tests(preset: str, nightly: bool, allowed: dict[tuple[str, str], str], t
 
 
 def build_and_test(nightly: bool, allowed: dict[tuple[str, str], str], tally: Tally) -> None:
-    for preset in (*TESTED_PRESETS, "cortex-m4"):
+    for preset in PRESETS:
         configured = run_step(commands(f"{preset}: configure", ["cmake", "--preset", preset]), tally)
         # Ninja goes on after an error, so that one run shows all of them.
         build = ["cmake", "--build", "--preset", preset, "--", "-k", "0"]
         built = configured and run_step(commands(f"{preset}: build", build), tally)
-        if built and preset in TESTED_PRESETS:
+        if built:
             run_tests(preset, nightly, allowed, tally)
         if built and preset == "release":
             run_step(install_step(), tally)
@@ -259,11 +259,16 @@ def check_deviations() -> str | None:
     return "\n".join(problems) or None
 
 
+def _requirement_sources() -> dict[str, list[str]]:
+    """The .in files of each pinned list."""
+    return {"base": ["base.in"]} | {name: ["base.in", f"{name}.in"] for name in ("bench", "check", "train")}
+
+
 def check_requirements() -> str | None:
     """Each pinned list was made from the present .in files; their SHA-256 is in its first line."""
     folder = ROOT / "tools" / "requirements"
     stale = []
-    for name, sources in (("base", ["base.in"]), ("check", ["base.in", "check.in"])):
+    for name, sources in _requirement_sources().items():
         digest = hashlib.sha256(b"".join((folder / source).read_bytes() for source in sources)).hexdigest()
         if digest not in (folder / f"{name}.txt").read_text(encoding="utf-8").partition("\n")[0]:
             stale.append(f"tools/requirements/{name}.txt")

@@ -19,7 +19,7 @@ EXIT_REFUSED = 2
 
 ROOT = Path(__file__).resolve().parents[2]
 
-LEVEL_0 = frozenset({"assert", "bounds", "chooser", "elementary", "junction"})
+LEVEL_0 = frozenset({"assert", "bounds", "chooser", "elementary", "image", "junction"})
 
 # Room: the rooms that it may know besides itself. A room that is not here may not exist.
 ROOMS: dict[str, frozenset[str]] = {
@@ -27,18 +27,22 @@ ROOMS: dict[str, frozenset[str]] = {
     "assert": frozenset(),
     "bounds": frozenset(),
     "elementary": frozenset(),
+    "image": frozenset(),
     "junction": frozenset({"assert", "bounds"}),
     "chooser": frozenset({"bounds", "junction"}),
     # level 1: not each other
+    "ar8": LEVEL_0,
+    "lstm_f32": LEVEL_0,
     "plan": LEVEL_0,
     "site": LEVEL_0,
-    # level 2
-    "forecast": LEVEL_0,
-    # level 3: the forecast comes in the view
+    # level 2: what is learnt, for both models
+    "weights": LEVEL_0 | {"ar8", "lstm_f32"},
+    # level 3: not each other; a chooser's forecast comes in the view
+    "forecast": LEVEL_0 | {"ar8", "lstm_f32", "weights"},
     "urgency": LEVEL_0,
     "pressure": LEVEL_0,
     # level 4
-    "controller": LEVEL_0 | {"forecast", "plan", "pressure", "site", "urgency"},
+    "controller": LEVEL_0 | {"ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
 }
 
 # The standard headers that need no library.

@@ -7,21 +7,25 @@ import argparse
 import hashlib
 import os
 import sys
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
+from elmopp_tools.outputs import (
+    EXIT_DONE,
+    EXIT_REFUSED,
+    OneLineParser,
+    Outputs,
+    compare,
+    say,
+    why_not_writable,
+    write,
+)
 from elmopp_tools.site_build import build_junction
 from elmopp_tools.site_c import c_text
 from elmopp_tools.site_image import image_bytes
 from elmopp_tools.site_model import Junction, SiteError
 from elmopp_tools.site_rules import check_junction
 from elmopp_tools.site_toml import read_document
-
-EXIT_DONE = 0
-EXIT_DIFFERENT = 1
-EXIT_REFUSED = 2
 
 DESCRIPTION = """\
 Reads the description of one junction (a site file in TOML, see sites/), works out its stages, checks it, and
@@ -38,13 +42,6 @@ Examples:
   tools/site sites/four_way.toml                                  check, print the stages
   tools/site sites/four_way.toml --c sites/four_way.c             make the C file
   tools/site sites/four_way.toml --c sites/four_way.c --check     is the C file up to date?"""
-
-
-class _Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line, like all others of this tool."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(EXIT_REFUSED, f"site: {message} ; see tools/site --help\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -71,7 +68,7 @@ def load_site(path: Path) -> tuple[Junction, bytes]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = OneLineParser(
         prog="tools/site",
         description=DESCRIPTION,
         epilog=EPILOG,
@@ -92,20 +89,22 @@ def _parser() -> argparse.ArgumentParser:
 def _run(options: argparse.Namespace) -> int:
     junction, source = load_site(options.site)
     sha256 = hashlib.sha256(source).hexdigest()
-    outputs: dict[Path, bytes] = {}
+    outputs: Outputs = {}
     if options.c is not None:
         outputs[options.c] = c_text(junction, options.site.name, sha256).encode("ascii")
     if options.image is not None:
         _check_distinct(options.image, outputs)
         outputs[options.image] = image_bytes(junction)
     if options.check:
-        return _compare(options.site, outputs)
+        if not outputs:
+            raise SiteError("--check has nothing to compare", "no --c, no --image", "name the file to compare")
+        return compare("site", options.site, outputs)
     if not outputs:
         print(summary(junction), flush=True)
     for path in outputs:
         _check_distinct(path, [options.site])
         _check_replaceable(path)
-    _write(outputs)
+    write(outputs)
     return EXIT_DONE
 
 
@@ -125,52 +124,18 @@ def summary(junction: Junction) -> str:
 
 
 def _say(path: Path | str, message: str) -> None:
-    """One line on stderr, whatever the message holds."""
-    print(" ".join(f"site: {path}: {message}".split()), file=sys.stderr)
+    say("site", f"{path}: {message}")
 
 
-def _check_distinct(path: Path, others: dict[Path, bytes] | list[Path]) -> None:
+def _check_distinct(path: Path, others: Outputs | list[Path]) -> None:
     if any(path.resolve() == other.resolve() for other in others):
         raise SiteError("two of the named files are the same", str(path), "a name for each")
 
 
 def _check_replaceable(path: Path) -> None:
-    """A rename would replace a device or a folder by a file."""
-    if path.exists() and not path.is_file():
-        raise SiteError("the output is no regular file", str(path), "a file name")
-    if not path.parent.is_dir():
-        raise SiteError("the folder of the output does not exist", str(path), "a folder that exists")
-
-
-def _write(outputs: dict[Path, bytes]) -> None:
-    """Writes all files beside their places, then renames: a reader sees the old or the new, never a part."""
-    drafts: dict[Path, Path] = {}
-    try:
-        for path, content in outputs.items():
-            drafts[path] = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-            drafts[path].write_bytes(content)
-        for path, draft in drafts.items():
-            draft.replace(path)
-    finally:
-        for draft in drafts.values():
-            draft.unlink(missing_ok=True)
-
-
-def _compare(site: Path, outputs: dict[Path, bytes]) -> int:
-    """Generates into a temporary folder and compares bytes with the files that are there."""
-    if not outputs:
-        raise SiteError("--check has nothing to compare", "no --c, no --image", "name the file to compare")
-    with tempfile.TemporaryDirectory() as folder:
-        fresh = {Path(folder) / str(index): content for index, content in enumerate(outputs.values())}
-        _write(fresh)
-        for path, new_path in zip(outputs, fresh, strict=True):
-            if not path.exists():
-                _say(path, f"is missing ; make it with tools/site {site}")
-                return EXIT_DIFFERENT
-            if path.read_bytes() != new_path.read_bytes():
-                _say(path, f"differs from what {site} makes ; make it again with tools/site {site}")
-                return EXIT_DIFFERENT
-    return EXIT_DONE
+    reason = why_not_writable(path)
+    if reason is not None:
+        raise SiteError(reason[0], str(path), reason[1])
 
 
 if __name__ == "__main__":

@@ -4,8 +4,8 @@
 """Writes a Junction as a site image: an envelope and the little-endian bytes of elmopp_junction_t."""
 
 import struct
-import zlib
 
+from elmopp_tools.image import envelope
 from elmopp_tools.site_model import (
     APPROACH_MAX,
     CHOOSERS,
@@ -23,7 +23,6 @@ from elmopp_tools.site_model import (
 
 MAGIC = b"ELMS"
 VERSION = 1
-ENVELOPE = struct.Struct("<4sIII")  # magic, version, length of the body, CRC-32 of the body
 
 WORD_SIZE = 2
 
@@ -34,8 +33,7 @@ _GROUP = struct.Struct(f"<{NAME_SIZE}s4H")
 
 def image_bytes(junction: Junction) -> bytes:
     """The whole image."""
-    body = body_bytes(junction)
-    return ENVELOPE.pack(MAGIC, VERSION, len(body), zlib.crc32(body)) + body
+    return envelope(MAGIC, VERSION, body_bytes(junction))
 
 
 def body_bytes(junction: Junction) -> bytes:

@@ -19,7 +19,7 @@ NAME_SIZE = 12
 
 DISCHARGES = ("saturation", "greenshields", "nolock")
 CHOOSERS = ("naive", "cumulative", "pressure")
-FORECASTS = ("none", "mean", "persistence", "ewma", "ar8")
+FORECASTS = ("none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm")
 
 SHOWN_LENGTH_MAX = 80
 SHOWN_BITS_MAX = 64

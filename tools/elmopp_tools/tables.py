@@ -14,8 +14,9 @@ import json
 import re
 import statistics
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 RIVALS = ("itlc", "oaf", "fixed", "pressure")
@@ -181,11 +182,13 @@ TABLES: dict[str, Callable[[Results], str]] = {
 }
 
 
-def fill(text: str, results: Results) -> str:
+def fill(text: str, tables: Mapping[str, Callable[[], str]]) -> str:
+    """The text of a document with each marked table made anew."""
+
     def replacement(match: re.Match[str]) -> str:
-        if match[2] not in TABLES:
-            raise TableError(f'unknown table "{match[2]}"; right would be one of {", ".join(TABLES)}')
-        return f"{match[1]}\n{TABLES[match[2]](results)}\n{match[3]}"
+        if match[2] not in tables:
+            raise TableError(f'unknown table "{match[2]}"; right would be one of {", ".join(tables)}')
+        return f"{match[1]}\n{tables[match[2]]()}\n{match[3]}"
 
     return MARKED.sub(replacement, text)
 
@@ -206,13 +209,13 @@ def parse_arguments(arguments: list[str]) -> argparse.Namespace:
     return parser.parse_args(arguments)
 
 
-def update(document: Path, results: Results, check: bool) -> bool:
-    """True if the document holds, or now holds, the tables of these results."""
+def update(document: Path, tables: Mapping[str, Callable[[], str]], check: bool) -> bool:
+    """True if the document holds, or now holds, these tables."""
     try:
         before = document.read_text(encoding="utf-8")
     except OSError as error:
         raise TableError(f"{document}: {error.strerror}; right would be a Markdown file") from error
-    after = fill(before, results)
+    after = fill(before, tables)
     if check and before != after:
         lines = zip(before.splitlines(), after.splitlines(), strict=False)
         number, (old, new) = next((n, pair) for n, pair in enumerate(lines, start=1) if pair[0] != pair[1])
@@ -229,7 +232,8 @@ def main(arguments: list[str]) -> int:
     options = parse_arguments(arguments)
     try:
         results = read_results(options.results)
-        good = [update(document, results, options.check) for document in options.documents]
+        tables = {name: partial(make, results) for name, make in TABLES.items()}
+        good = [update(document, tables, options.check) for document in options.documents]
     except TableError as error:
         print(f"tables: {error}", file=sys.stderr)
         return 2

@@ -16,8 +16,10 @@ _TOOLS = Path(__file__).resolve().parents[1]
 
 # The modules that each environment is there for; an interpreter that has them all will do in its place.
 _MODULES = {
-    "base": ("jsonschema", "matplotlib", "numpy", "scipy"),
-    "check": ("jsonschema", "matplotlib", "mypy", "numpy", "pytest", "scipy"),
+    "base": ("jsonschema", "matplotlib", "numpy", "safetensors", "scipy"),
+    "check": ("jsonschema", "matplotlib", "mypy", "numpy", "pytest", "safetensors", "scipy"),
+    "train": ("jax", "numpy", "optax", "safetensors"),
+    "bench": ("numpy", "onnx", "onnxruntime", "safetensors"),
 }
 
 

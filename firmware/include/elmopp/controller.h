@@ -5,7 +5,9 @@
 ///
 /// Once a second elmopp_controller_step() takes real-valued counts and asks the chooser for a stage; every 100 ms
 /// elmopp_controller_lamp_tick() moves the plan and returns the lamps. Order of a second: one step, then ten lamp
-/// ticks. It counts T, the time since each movement was green, from the lamps that it returned and from nothing else.
+/// ticks. A network whose account of the last minutes is worse than the mean's or persistence's is not listened to
+/// until it is better again; its rows are then the mean. It counts T, the time since each movement was green, from the
+/// lamps that it returned and from nothing else.
 ///
 /// Owns the state of forecast and plan; the chooser's state and the junction belong to the caller and must outlive it.
 /// It reads no clock, does no I/O, allocates nothing. Not thread-safe; one owner.
@@ -19,6 +21,9 @@
 
 /// The decision log shows each approach's forecast summed over so many seconds.
 #define ELMOPP_CONTROLLER_TRACE_S 60U
+
+/// A network's forecast is trusted again, or not, once so many seconds of its account (forecast.h) are in.
+#define ELMOPP_CONTROLLER_ACCOUNT_MIN_S 60U
 
 /// A movement waits if at least this many vehicles are counted on it.
 #define ELMOPP_CONTROLLER_DEMAND_VEH 1.0F
@@ -35,7 +40,17 @@ typedef struct {
     uint16_t steps; ///< at most ELMOPP_HORIZON_MAX
 } elmopp_foreseen_t;
 
-/// State. Set up by elmopp_controller_init(); read `score` and `foreseen_sum_veh` for the log, write nothing.
+/// Where the chooser's rows come from.
+typedef enum {
+    ELMOPP_FORESIGHT_OWN = 0,   ///< the forecast that was asked for
+    ELMOPP_FORESIGHT_GIVEN,     ///< from outside
+    ELMOPP_FORESIGHT_COLD,      ///< the mean: the forecast has seen too little
+    ELMOPP_FORESIGHT_UNARMED,   ///< the mean: the network's weights cannot be used
+    ELMOPP_FORESIGHT_DISTRUSTED ///< the mean: the network has lately done worse than the mean or than persistence
+} elmopp_foresight_t;
+
+/// State. Set up by elmopp_controller_init(); read `score`, `foreseen_sum_veh` and `foresight` for the log, write
+/// nothing.
 typedef struct {
     const elmopp_junction_t *junction;
     elmopp_chooser_t chooser;
@@ -45,6 +60,7 @@ typedef struct {
     uint32_t going;                       ///< mask of the movements that are green
     uint32_t waiting;                     ///< mask of the movements that waited on red in the last second
     elmopp_stage_t wanted;
+    elmopp_foresight_t foresight;                ///< of the last second
     float score[ELMOPP_STAGE_MAX];               ///< the chooser's scores in the last second
     float foreseen_sum_veh[ELMOPP_APPROACH_MAX]; ///< forecast of the next ELMOPP_CONTROLLER_TRACE_S seconds
 } elmopp_controller_t;

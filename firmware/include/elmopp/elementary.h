@@ -3,11 +3,14 @@
 
 /// Elementary functions, our own, because results must be the same bits on every target and libm's are not.
 ///
-/// Only IEEE 754 single-precision additions and multiplications in a fixed order (build: -ffp-contract=off), no table,
-/// no libm.
+/// Only IEEE 754 single-precision additions, multiplications and divisions in a fixed order (build: -ffp-contract=off),
+/// no table, no libm. tanh and sigmoid take the same number of instructions for every argument
+/// (tests/board/test_lstm_count.c).
 
 #ifndef ELMOPP_ELEMENTARY_H
 #define ELMOPP_ELEMENTARY_H
+
+#include <stdint.h>
 
 /// Arguments beyond these are taken as these, so that the result is always finite and above zero.
 #define ELMOPP_EXP_MIN (-87.0F)
@@ -16,5 +19,20 @@
 /// e^x. Relative error at most 1.5e-7 for every float in [-87, 88] (tests/test_elementary.c tries each 64th of them,
 /// and --all each one). A NaN is taken as ELMOPP_EXP_MIN.
 float elmopp_exp(float x);
+
+/// Arguments of tanh beyond +-this are taken as these: tanh(7.9) is 1 - 2.8e-7, and no result is above 1.
+#define ELMOPP_TANH_MAX 7.9F
+
+/// tanh x. Relative error at most 4.5e-7 for every float of at least 1.2e-38 in size (below, at most two steps of the
+/// subnormal numbers), odd to the bit, never above 1 in size; tests/test_elementary.c tries them as for elmopp_exp(). A
+/// NaN is taken as ELMOPP_TANH_MAX with the NaN's sign.
+float elmopp_tanh(float x);
+
+/// 1 / (1 + e^-x) = 1/2 + tanh(x/2)/2. Absolute error at most 3e-7 for every float, always in [0, 1].
+float elmopp_sigmoid(float x);
+
+/// The same for `count` values in place, to the bit: a loop that a compiler can run several values at a time.
+void elmopp_tanh_each(float *value, uint32_t count);
+void elmopp_sigmoid_each(float *value, uint32_t count);
 
 #endif

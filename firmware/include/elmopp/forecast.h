@@ -3,60 +3,99 @@
 
 /// Forecast: the vehicles that each approach will bring in the coming seconds, and how they split over its movements.
 ///
-/// Absorbs one observation a second and looks ahead as far as the chooser asks. It decides nothing. `oracle` is not
-/// here: a simulator that knows the future hands its rows to elmopp_controller_step() itself.
+/// Absorbs one observation a second, looks ahead as far as the chooser asks and keeps account of its own error. It
+/// decides nothing: whether a forecast is good enough to be used is the controller's to say. `oracle` is not here: a
+/// simulator that knows the future hands its rows to elmopp_controller_step() itself.
 ///
 ///   none         no row: the chooser sees no further inflow
 ///   mean         the given long-run mean, or the running mean of the last 15 minutes, in every step
 ///   persistence  the last second in every step
 ///   ewma         an exponentially weighted mean, time constant 120 s, in every step
-///   ar8          y(t+1) = a0 + sum a_i y(t+1-i), i = 1..8, iterated on its own output; y = arrivals / demand scale.
-///                Each output is held inside [low, high] of the model. The mean until eight seconds have been seen.
+///   ar8          a regression over the last eight seconds (ar8.h). The mean until eight seconds have been seen.
+///   lstm, nlstm  a network (lstm_f32.h) of one level, or of more, that sees every second and runs on its own output
+///   from
+///                a copy of its state. The mean until 60 seconds have been seen, or if its weights are refused.
+///
+/// The networks see arrivals / demand scale, at most and at least what the weights say, and what they say is held in
+/// the same range. They have four inputs: approaches go in groups of four in site order, one state a group, the same
+/// weights; an input without approach is 0 and what is said about it is ignored.
 ///
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
+///
+/// The account: what was foreseen for ELMOPP_FORECAST_PROBE_S seconds later is kept until then and compared with what
+/// came, beside what persistence and the mean said in the same second.
 ///
 /// Owner: the controller. Not thread-safe; bounded by ELMOPP_APPROACH_MAX times the steps asked for.
 
 #ifndef ELMOPP_FORECAST_H
 #define ELMOPP_FORECAST_H
 
+#include "elmopp/ar8.h"
 #include "elmopp/junction.h"
+#include "elmopp/weights.h"
 
-#define ELMOPP_AR8_LAGS 8U
 #define ELMOPP_FORECAST_MEAN_WINDOW_S 900U ///< running mean and shares
 #define ELMOPP_FORECAST_EWMA_WINDOW_S 120U
 #define ELMOPP_FORECAST_SHARE_MIN_S 60U ///< shares are equal until so many seconds have been seen
+#define ELMOPP_FORECAST_COLD_S 60U      ///< a network says the mean until so many seconds have been seen
+#define ELMOPP_FORECAST_PROBE_S 30U     ///< how far ahead the account looks
+#define ELMOPP_FORECAST_ERROR_WINDOW_S 300U
 
-/// Coefficients of one approach, in units of its demand scale. Fitted outside of the core (host_sim, tools).
-typedef struct {
-    float intercept;
-    float lag[ELMOPP_AR8_LAGS]; ///< [0] is the newest second
-    float low;                  ///< smallest output: training minimum, widened by a tenth of the range, at least 0
-    float high;                 ///< largest output
-} elmopp_ar8_t;
+/// Approaches that one state of a network looks after, and how many states a junction needs at most.
+#define ELMOPP_FORECAST_GROUP_SIZE ELMOPP_LSTM_INPUTS
+#define ELMOPP_FORECAST_GROUP_MAX (ELMOPP_APPROACH_MAX / ELMOPP_FORECAST_GROUP_SIZE)
 
 /// Which forecast, and its data. The pointers must outlive the forecast.
 typedef struct {
-    uint8_t kind;                ///< ELMOPP_FORECAST_* (junction.h)
-    const elmopp_ar8_t *ar8;     ///< [approach], for ar8 only
-    const float *mean_veh_per_s; ///< [approach] long-run means; null: running means
+    uint8_t kind;                    ///< ELMOPP_FORECAST_* (junction.h)
+    const elmopp_ar8_t *ar8;         ///< [approach], for ar8 only
+    const float *mean_veh_per_s;     ///< [approach] long-run means; null: running means
+    const elmopp_weights_t *weights; ///< for lstm (1 level) and nlstm (more); null: none could be loaded
 } elmopp_forecast_config_t;
+
+/// Why the rows are what they are.
+typedef enum {
+    ELMOPP_FORECAST_READY = 0, ///< as the kind says
+    ELMOPP_FORECAST_COLD,      ///< the mean: too little has been seen
+    ELMOPP_FORECAST_UNARMED ///< the mean: there are no weights, or not such as the kind needs, or they fail their check
+} elmopp_forecast_status_t;
+
+/// Mean squared errors over the last minutes, ELMOPP_FORECAST_PROBE_S ahead, over all approaches; (vehicles/s)^2.
+typedef struct {
+    float forecast;
+    float persistence;
+    float mean;
+    uint32_t compared_s; ///< seconds compared; saturates at UINT32_MAX. 0: nothing is known yet
+} elmopp_forecast_error_t;
+
+/// What was said in one second about ELMOPP_FORECAST_PROBE_S later.
+typedef struct {
+    float forecast_veh[ELMOPP_APPROACH_MAX];
+    float persistence_veh[ELMOPP_APPROACH_MAX];
+    float mean_veh[ELMOPP_APPROACH_MAX];
+    bool said;
+} elmopp_forecast_probe_t;
 
 /// State. Set up by elmopp_forecast_init(); nobody else writes it.
 typedef struct {
     elmopp_forecast_config_t config;
     const elmopp_junction_t *junction;
+    bool armed;      ///< the weights can be used
     uint32_t seen_s; ///< observations so far; saturates at UINT32_MAX
     float mean_veh[ELMOPP_APPROACH_MAX];
     float ewma_veh[ELMOPP_APPROACH_MAX];
     float movement_mean_veh[ELMOPP_MOVEMENT_MAX];
     float share[ELMOPP_MOVEMENT_MAX];
     float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_AR8_LAGS]; ///< [0] is the newest second
+    elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];
+    elmopp_forecast_probe_t probe[ELMOPP_FORECAST_PROBE_S]; ///< a ring
+    uint32_t probe_at;                                      ///< the probe that is due at the next observation
+    elmopp_forecast_error_t error;
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
 } elmopp_forecast_t;
 
-/// Starts cold. Asserts a known kind, and coefficients for ar8.
+/// Starts cold. Asserts a known kind, and coefficients for ar8. Weights that cannot be used are no bug: see the status.
 void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junction,
                           const elmopp_forecast_config_t *config);
 
@@ -64,8 +103,18 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh);
 
 /// Fills `rows[approach]` with pointers to `steps` (at most ELMOPP_HORIZON_MAX) values each, valid until the next call,
-/// and returns the steps; with `none` the rows are null and it returns 0.
+/// and returns the steps; with `none` the rows are null and it returns 0. Call it once after each observation: what it
+/// says is entered in the account.
 uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
+
+/// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to.
+uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
+
+/// Why the rows of elmopp_forecast_look() are what they are.
+elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self);
+
+/// The account so far.
+elmopp_forecast_error_t elmopp_forecast_error(const elmopp_forecast_t *self);
 
 /// Share of each movement in its approach's arrivals: [movement], sums to 1 over an approach.
 const float *elmopp_forecast_share(const elmopp_forecast_t *self);

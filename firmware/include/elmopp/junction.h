@@ -45,7 +45,9 @@ enum {
     ELMOPP_FORECAST_PERSISTENCE = 2, ///< the last second, again and again
     ELMOPP_FORECAST_EWMA = 3,        ///< an exponentially weighted mean of the last minutes
     ELMOPP_FORECAST_AR8 = 4,         ///< linear autoregression over eight seconds, iterated
-    ELMOPP_FORECAST_COUNT = 5
+    ELMOPP_FORECAST_LSTM = 5,        ///< a network of one level
+    ELMOPP_FORECAST_NLSTM = 6,       ///< a nested network
+    ELMOPP_FORECAST_COUNT = 7
 };
 
 /// One movement. Counts of it arrive once a second as real-valued vehicles.

@@ -44,9 +44,7 @@ typedef struct {
     uint8_t second;
 } elmopp_site_verdict_t;
 
-/// Bytes before the body of an image: magic, version, length of the body, CRC-32 (IEEE 802.3) of the body;
-/// little-endian.
-#define ELMOPP_SITE_IMAGE_HEADER 16U
+/// The layout of elmopp_junction_t that this firmware reads; the envelope is image.h's.
 #define ELMOPP_SITE_IMAGE_VERSION_NOW 1U
 
 /// True if every rule holds; otherwise the first fault.

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// LSTM in single precision: one second of a long short-term memory, plain (Hochreiter and Schmidhuber 1997) or nested
+/// (Moniz and Krueger 2017, eqs. 5 to 15; the paper's NLSTM), with a linear head.
+///
+/// One step function for 1 to 3 levels: a nested LSTM of depth 1 is an LSTM. Each level computes from its input x and
+/// its hidden input h, s = sigmoid:
+///
+///   i = s(Wi x + Ui h + bi)   f = s(Wf x + Uf h + bf)   o = s(Wo x + Uo h + bo)   g = tanh(Wg x + Ug h + bg)
+///
+/// The innermost level's new cell is c = f * c + i * g. A level with another inside gives it x = i * g and h = f * c,
+/// and takes what comes back as its own new cell. What every level gives back is o * tanh(c); the outermost level's is
+/// the hidden state, and the output is Wy h + by.
+///
+/// It knows no traffic, no scale and no time: it is arithmetic. Weights and state belong to the caller. Every sum
+/// starts with the bias and runs over x, then h, in index order, products and sums rounded separately, so that gcc,
+/// clang and a Cortex-M4 give the same bits; a port may store the weights in another order, not sum in another. No
+/// branch depends on data: the number of instructions of a step is the same for every input
+/// (tests/board/test_lstm_count.c).
+///
+/// No allocation. A step is bounded by ELMOPP_LSTM_LEVELS_MAX.
+
+#ifndef ELMOPP_LSTM_F32_H
+#define ELMOPP_LSTM_F32_H
+
+#include <stdint.h>
+
+#define ELMOPP_LSTM_INPUTS 4U     ///< x of the outermost level, and outputs
+#define ELMOPP_LSTM_UNITS 16U     ///< cells of a level
+#define ELMOPP_LSTM_LEVELS_MAX 3U ///< 1: plain; 2, 3: nested
+#define ELMOPP_LSTM_GATES (4U * ELMOPP_LSTM_UNITS)
+
+/// Rows of the outermost level's matrix: x, then h. An inner level's x has as many values as it has units.
+#define ELMOPP_LSTM_OUTER_ROWS (ELMOPP_LSTM_INPUTS + ELMOPP_LSTM_UNITS)
+#define ELMOPP_LSTM_INNER_ROWS (2U * ELMOPP_LSTM_UNITS)
+
+/// The outermost level. Columns: gate i of every unit, then f, o, g.
+typedef struct {
+    float bias[ELMOPP_LSTM_GATES];
+    float row[ELMOPP_LSTM_OUTER_ROWS][ELMOPP_LSTM_GATES]; ///< [x, then h][gate]
+} elmopp_lstm_f32_outer_t;
+
+/// A level inside another one, with columns as there.
+typedef struct {
+    float bias[ELMOPP_LSTM_GATES];
+    float row[ELMOPP_LSTM_INNER_ROWS][ELMOPP_LSTM_GATES]; ///< [x, then h][gate]
+} elmopp_lstm_f32_inner_t;
+
+/// All weights. weights.h says whether they can be used.
+typedef struct {
+    uint32_t levels;                                       ///< 1..ELMOPP_LSTM_LEVELS_MAX
+    float head_bias[ELMOPP_LSTM_INPUTS];                   ///< by
+    float head_row[ELMOPP_LSTM_UNITS][ELMOPP_LSTM_INPUTS]; ///< [unit][output] Wy
+    elmopp_lstm_f32_outer_t outer;
+    elmopp_lstm_f32_inner_t inner[ELMOPP_LSTM_LEVELS_MAX - 1U]; ///< [0] is inside the outermost; unused ones are zero
+} elmopp_lstm_f32_weights_t;
+
+/// What it remembers. All zero: nothing yet.
+typedef struct {
+    float hidden[ELMOPP_LSTM_UNITS];
+    float cell[ELMOPP_LSTM_LEVELS_MAX][ELMOPP_LSTM_UNITS]; ///< [0] is the outermost level's
+} elmopp_lstm_f32_state_t;
+
+/// One step. The weights have passed elmopp_weights_check(); inputs are finite.
+void elmopp_lstm_f32_step(const elmopp_lstm_f32_weights_t *weights, elmopp_lstm_f32_state_t *state,
+                          const float input[ELMOPP_LSTM_INPUTS]);
+
+/// The head: what it expects as the next input.
+void elmopp_lstm_f32_output(const elmopp_lstm_f32_weights_t *weights, const elmopp_lstm_f32_state_t *state,
+                            float output[ELMOPP_LSTM_INPUTS]);
+
+#endif

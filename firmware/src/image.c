@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/image.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+static uint32_t crc32(const uint8_t *bytes, uint32_t length) {
+    uint32_t crc = 0xFFFFFFFFU;
+    for (uint32_t i = 0U; i < length; i++) {
+        crc ^= bytes[i];
+        for (uint32_t k = 0U; k < 8U; k++) {
+            crc = ((crc & 1U) != 0U) ? ((crc >> 1U) ^ 0xEDB88320U) : (crc >> 1U);
+        }
+    }
+    return ~crc;
+}
+
+static uint32_t word_at(const uint8_t *bytes) {
+    return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8U) | ((uint32_t)bytes[2] << 16U) | ((uint32_t)bytes[3] << 24U);
+}
+
+elmopp_image_fault_t elmopp_image_check(const elmopp_image_kind_t *kind, const uint8_t *image, uint32_t length) {
+    if ((length < ELMOPP_IMAGE_HEADER) || (memcmp(image, kind->magic, sizeof kind->magic) != 0)) {
+        return ELMOPP_IMAGE_MAGIC;
+    }
+    if (word_at(&image[4]) != kind->version) {
+        return ELMOPP_IMAGE_VERSION;
+    }
+    if ((word_at(&image[8]) != kind->body_bytes) || (length != (ELMOPP_IMAGE_HEADER + kind->body_bytes))) {
+        return ELMOPP_IMAGE_LENGTH;
+    }
+    const bool intact = word_at(&image[12]) == crc32(&image[ELMOPP_IMAGE_HEADER], kind->body_bytes);
+    return intact ? ELMOPP_IMAGE_OK : ELMOPP_IMAGE_CRC;
+}

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "foresight.hpp"
+
+#include "autoregression.hpp"
+#include "choosers.hpp"
+#include "error.hpp"
+#include "scenario.hpp"
+#include "trial.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+extern "C" {
+#include "elmopp_weights.h"
+}
+
+namespace elmopp {
+namespace {
+
+/// A chooser that names the first stage and keeps the rows.
+elmopp_stage_t write_down(void *state, const elmopp_view_t *view, float * /*score*/) {
+    auto &foresight = *static_cast<Foresight *>(state);
+    for (std::size_t i = 0; i < foresight.approaches; ++i) {
+        const float *row = view->foreseen_veh[i];
+        foresight.unit_veh.insert(foresight.unit_veh.end(), row, row + foresight.steps);
+    }
+    return 0;
+}
+
+} // namespace
+
+const elmopp_weights_t *shipped_weights(const std::string &forecast) {
+    if (forecast == "lstm") {
+        return &elmopp_weights_lstm;
+    }
+    return forecast == "nlstm" ? &elmopp_weights_nlstm : nullptr;
+}
+
+elmopp_weights_t read_weights(const std::filesystem::path &file) {
+    const std::string option = "--weights " + file.string() + ": ";
+    std::error_code ignored;
+    std::ifstream stream(std::filesystem::is_regular_file(file, ignored) ? file : std::filesystem::path(),
+                         std::ios::binary);
+    if (!stream) {
+        throw BadRequest(option + "cannot be read; right would be an ELMW image made by tools/weights");
+    }
+    const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    const std::vector<std::uint8_t> image(bytes.begin(), bytes.end());
+    elmopp_weights_t weights{};
+    const auto fault = elmopp_weights_load(image.data(), static_cast<std::uint32_t>(image.size()), &weights);
+    if (fault != ELMOPP_WEIGHTS_OK) {
+        throw BadRequest(option + elmopp_weights_fault_name(fault) + "; right would be an image made by tools/weights");
+    }
+    return weights;
+}
+
+std::string forecast_of(const elmopp_weights_t &weights) {
+    return weights.lstm.levels == 1 ? "lstm" : "nlstm";
+}
+
+Foresight foresee(const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps, std::size_t seconds) {
+    const Scenario scenario = make_scenario(find_profile("paper"), nullptr);
+    Foresight foresight{steps, unit.size(), {}, 0};
+    foresight.unit_veh.reserve(seconds * unit.size() * steps);
+    const Demand demand = make_demand(unit, 1.0, training_points, {}, true, seconds);
+    const elmopp_chooser_t chooser{write_down, &foresight, steps};
+    const elmopp_forecast_config_t config{forecast_kind(forecast_of(weights)), nullptr, demand.mean_veh_per_s.data(),
+                                          &weights};
+    elmopp_controller_t controller;
+    elmopp_controller_init(&controller, &scenario.junction, &chooser, &config);
+    Arrivals arrivals(scenario, demand);
+    arrivals.absorb_known(controller);
+    const std::vector<float> nobody(scenario.junction.movement_count, 0.0F);
+    for (std::size_t t = 0; t < seconds; ++t) {
+        const elmopp_counts_t counts{nobody.data(), arrivals.at(demand.origin + t)};
+        if (!elmopp_controller_step(&controller, &counts, nullptr)) {
+            throw Failure("second " + std::to_string(t) + ": the controller refused the counts");
+        }
+        foresight.distrusted_s += controller.foresight == ELMOPP_FORESIGHT_DISTRUSTED ? 1U : 0U;
+    }
+    return foresight;
+}
+
+} // namespace elmopp

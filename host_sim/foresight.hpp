@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Foresight: what the core's networks say about one trajectory, second by second, worked out once.
+///
+/// A network sees arrivals in units of their demand scale, so what it says depends neither on the chooser nor on the
+/// number of vehicles. The core's own controller runs once over the trajectory, fall-back and all, with a chooser that
+/// only writes down what it is shown; the trials then get these rows as they would get an oracle's. `host_sim run`
+/// does not use this: there the network runs inside the trial.
+
+#pragma once
+
+#include "core.hpp"
+#include "inflow.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace elmopp {
+
+/// Which network a forecast's name means, with the weights that are shipped; null for any other forecast.
+const elmopp_weights_t *shipped_weights(const std::string &forecast);
+
+/// Reads an ELMW image for the option `--weights`. Throws BadRequest naming what is wrong with it.
+elmopp_weights_t read_weights(const std::filesystem::path &file);
+
+/// Which forecast can use such weights: `lstm` with one level, otherwise `nlstm`.
+std::string forecast_of(const elmopp_weights_t &weights);
+
+/// Rows of one network on one trajectory, for one vehicle an approach in the simulated seconds.
+struct Foresight {
+    std::uint16_t steps = 0;
+    std::size_t approaches = 0;
+    std::vector<float> unit_veh;  ///< [second][approach][step]
+    std::size_t distrusted_s = 0; ///< seconds in which the controller fell back to the mean
+
+    [[nodiscard]] const float *row(std::size_t second, std::size_t approach) const {
+        return &unit_veh[(second * approaches + approach) * steps];
+    }
+};
+
+/// `unit` as of unit_inflow(), [approach][point], one approach each of the paper's junction.
+Foresight foresee(const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps, std::size_t seconds);
+
+} // namespace elmopp

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// A step of the LSTM takes the same number of instructions, whatever the numbers are.
+///
+/// run_qemu.sh makes one instruction last 64 ns, and the board's SysTick counts at 25 MHz: 8 ticks are exactly 5
+/// instructions. The counter is cleared before each run, so equal instructions are equal ticks, and one more or less
+/// always shows; the first tests hold the method to that.
+
+#include "elmopp/lstm_f32.h"
+#include "random.h"
+#include "unity.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define SYSTICK_CONTROL (*(volatile uint32_t *)0xE000E010U)
+#define SYSTICK_RELOAD (*(volatile uint32_t *)0xE000E014U)
+#define SYSTICK_VALUE (*(volatile uint32_t *)0xE000E018U)
+#define SYSTICK_ON_PROCESSOR_CLOCK 5U
+#define SYSTICK_MASK 0x00FFFFFFU ///< it counts down through 24 bits
+
+#define CASES 200U
+
+typedef enum {
+    VALUES_ZERO,
+    VALUES_ORDINARY,   ///< below 4 in size
+    VALUES_SATURATING, ///< below 128: most gates are shut or open
+    VALUES_AT_CLAMP,   ///< about where elmopp_tanh() begins to clamp
+    VALUES_LARGE,      ///< up to 1e30
+    VALUES_TINY,       ///< subnormal
+    VALUES_MIXED,      ///< each value of another kind
+    VALUES_COUNT
+} values_t;
+
+static elmopp_lstm_f32_weights_t weights;
+static elmopp_lstm_f32_state_t state;
+static float input[ELMOPP_LSTM_INPUTS];
+static volatile int32_t condition;
+static uint64_t seed;
+
+void setUp(void) {
+    SYSTICK_RELOAD = SYSTICK_MASK;
+    SYSTICK_CONTROL = SYSTICK_ON_PROCESSOR_CLOCK;
+    seed = 1U;
+}
+void tearDown(void) {}
+
+static void nothing(void) {}
+
+/* From clearing the counter to reading it. One copy for all, or else the instructions around `work` would differ. */
+__attribute__((noinline, noclone)) static uint32_t instructions_with_call(void (*work)(void)) {
+    SYSTICK_VALUE = 0U; /* any write clears it */
+    work();
+    const uint32_t ticks = (0U - SYSTICK_VALUE) & SYSTICK_MASK;
+    return ((ticks + 1U) * 5U) / 8U; /* the tick that the last instruction begins is not yet counted */
+}
+
+/* Instructions of `work` without its return. */
+static uint32_t instructions(void (*work)(void)) {
+    return instructions_with_call(work) - instructions_with_call(nothing);
+}
+
+static void one_nop(void) {
+    __asm__ volatile("nop");
+}
+
+static void two_nops(void) {
+    __asm__ volatile("nop\n\tnop");
+}
+
+static void three_nops(void) {
+    __asm__ volatile("nop\n\tnop\n\tnop");
+}
+
+static void four_nops(void) {
+    __asm__ volatile("nop\n\tnop\n\tnop\n\tnop");
+}
+
+static void thousand_nops(void) {
+    __asm__ volatile(".rept 1000\n\tnop\n\t.endr");
+}
+
+static void branch_over_two_nops(void) {
+    __asm__ volatile("cmp %0, #0\n\tbne 1f\n\tnop\n\tnop\n1:" : : "r"(condition) : "cc");
+}
+
+static void two_conditional_moves(void) {
+    __asm__ volatile("cmp %0, #0\n\titt eq\n\tmoveq r3, #1\n\tmoveq r3, #2" : : "r"(condition) : "cc", "r3");
+}
+
+static void test_one_instruction_more_is_one_more(void) {
+    TEST_ASSERT_EQUAL_UINT32(0U, instructions(nothing));
+    TEST_ASSERT_EQUAL_UINT32(1U, instructions(one_nop));
+    TEST_ASSERT_EQUAL_UINT32(2U, instructions(two_nops));
+    TEST_ASSERT_EQUAL_UINT32(3U, instructions(three_nops));
+    TEST_ASSERT_EQUAL_UINT32(4U, instructions(four_nops));
+    TEST_ASSERT_EQUAL_UINT32(1000U, instructions(thousand_nops));
+}
+
+static void test_a_branch_on_data_is_seen(void) {
+    condition = 0;
+    const uint32_t not_taken = instructions(branch_over_two_nops);
+    condition = 1;
+    TEST_ASSERT_EQUAL_UINT32(not_taken - 2U, instructions(branch_over_two_nops));
+}
+
+static void test_a_conditional_instruction_counts_whether_it_acts_or_not(void) {
+    condition = 0;
+    const uint32_t acting = instructions(two_conditional_moves);
+    condition = 1;
+    TEST_ASSERT_EQUAL_UINT32(acting, instructions(two_conditional_moves));
+}
+
+static float within(float size) {
+    return ((float)random_below(&seed, 1U << 24U) - 8388608.0F) * (size / 8388608.0F);
+}
+
+static float subnormal(void) {
+    const uint32_t bits = random_below(&seed, 1U << 23U) | (random_below(&seed, 2U) << 31U);
+    float value;
+    (void)memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static float value_of(values_t kind) {
+    switch (kind) {
+    case VALUES_ORDINARY:
+        return within(4.0F);
+    case VALUES_SATURATING:
+        return within(128.0F);
+    case VALUES_AT_CLAMP:
+        return ((random_below(&seed, 2U) == 0U) ? 7.9F : -7.9F) + within(0.01F);
+    case VALUES_LARGE:
+        return within(1.0e30F);
+    case VALUES_TINY:
+        return subnormal();
+    case VALUES_MIXED:
+        return value_of((values_t)random_below(&seed, VALUES_MIXED));
+    case VALUES_ZERO:
+    case VALUES_COUNT:
+    default:
+        return 0.0F;
+    }
+}
+
+static void fill(float *values, uint32_t count, values_t kind) {
+    for (uint32_t i = 0U; i < count; i++) {
+        values[i] = value_of(kind);
+    }
+}
+
+static void make_weights(uint32_t levels, values_t kind) {
+    weights.levels = levels;
+    fill(weights.outer.bias, ELMOPP_LSTM_GATES, kind);
+    fill(weights.outer.row[0], ELMOPP_LSTM_OUTER_ROWS * ELMOPP_LSTM_GATES, kind);
+    for (uint32_t i = 0U; i < (ELMOPP_LSTM_LEVELS_MAX - 1U); i++) {
+        fill(weights.inner[i].bias, ELMOPP_LSTM_GATES, kind);
+        fill(weights.inner[i].row[0], ELMOPP_LSTM_INNER_ROWS * ELMOPP_LSTM_GATES, kind);
+    }
+}
+
+static void step(void) {
+    elmopp_lstm_f32_step(&weights, &state, input);
+}
+
+/* Weights, inputs and state are of one kind each; the kinds are combined in turn. */
+static uint32_t count_case(uint32_t levels, uint32_t number) {
+    const uint32_t kinds = VALUES_COUNT;
+    make_weights(levels, ((number % 4U) == 3U) ? VALUES_SATURATING : VALUES_ORDINARY);
+    fill(input, ELMOPP_LSTM_INPUTS, (values_t)(number % kinds));
+    fill(state.hidden, ELMOPP_LSTM_UNITS, (values_t)((number / kinds) % kinds));
+    fill(state.cell[0], ELMOPP_LSTM_LEVELS_MAX * ELMOPP_LSTM_UNITS, (values_t)((number / kinds) % kinds));
+    return instructions(step);
+}
+
+static void expect_constant_count(uint32_t levels) {
+    uint32_t least = UINT32_MAX;
+    uint32_t most = 0U;
+    for (uint32_t i = 0U; i < CASES; i++) {
+        const uint32_t count = count_case(levels, i);
+        least = (count < least) ? count : least;
+        most = (count > most) ? count : most;
+    }
+    (void)printf("levels %u: %u to %u instructions a step\n", (unsigned)levels, (unsigned)least, (unsigned)most);
+    TEST_ASSERT_EQUAL_UINT32(least, most);
+}
+
+static void test_a_step_of_the_plain_lstm_takes_the_same_for_all(void) {
+    expect_constant_count(1U);
+}
+
+static void test_a_step_of_two_levels_takes_the_same_for_all(void) {
+    expect_constant_count(2U);
+}
+
+static void test_a_step_of_three_levels_takes_the_same_for_all(void) {
+    expect_constant_count(3U);
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_one_instruction_more_is_one_more);
+    RUN_TEST(test_a_branch_on_data_is_seen);
+    RUN_TEST(test_a_conditional_instruction_counts_whether_it_acts_or_not);
+    RUN_TEST(test_a_step_of_the_plain_lstm_takes_the_same_for_all);
+    RUN_TEST(test_a_step_of_two_levels_takes_the_same_for_all);
+    RUN_TEST(test_a_step_of_three_levels_takes_the_same_for_all);
+    return UNITY_END();
+}

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// Every bit that the LSTM and the elementary functions give, as one line a part: tests/python/test_bit_identity.py
+/// builds this with many compilers and options and compares what it prints with tests/golden/lstm_digest.txt.
+///
+/// Weights, inputs and arguments come from integers, so that nothing but the core itself does arithmetic that rounds. A
+/// digest is the 64-bit FNV-1a of bit patterns, low byte first. Infinities are arguments like any other.
+
+#include "elmopp/assert.h"
+#include "elmopp/elementary.h"
+#include "elmopp/lstm_f32.h"
+#include "random.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DRIVEN_STEPS 500U
+#define FREE_STEPS 60U
+
+#define ARGUMENT_STRIDE 16381U ///< a prime: takes every exponent and all kinds of low bits
+#define SIGN_BIT 0x80000000U
+
+#define FNV_BASIS 0xCBF29CE484222325ULL
+#define FNV_PRIME 0x100000001B3ULL
+
+static elmopp_lstm_f32_weights_t weights;
+static elmopp_lstm_f32_state_t state;
+
+void elmopp_assert_failed(const char *file, int line) {
+    (void)fprintf(stderr, "assert of the core at %s:%d\n", file, line);
+    exit(1);
+}
+
+static void take(uint64_t *digest, const float *values, size_t count) {
+    for (size_t i = 0U; i < count; i++) {
+        uint32_t bits;
+        (void)memcpy(&bits, &values[i], sizeof bits);
+        for (uint32_t shift = 0U; shift < 32U; shift += 8U) {
+            *digest = (*digest ^ ((bits >> shift) & 0xFFU)) * FNV_PRIME;
+        }
+    }
+}
+
+static void print_digest(const char *name, uint64_t digest) {
+    (void)printf("%s %016llx\n", name, (unsigned long long)digest);
+}
+
+/* In [-size, size), for a power of two as size: a whole number scaled by a power of two, hence exact. */
+static float random_within(uint64_t *random, float size) {
+    const int32_t whole = (int32_t)random_below(random, 1U << 24U) - (1 << 23);
+    return (float)whole * (size / 8388608.0F);
+}
+
+static void fill(uint64_t *random, float *values, size_t count, float size) {
+    for (size_t i = 0U; i < count; i++) {
+        values[i] = random_within(random, size);
+    }
+}
+
+/* Large enough that some gates saturate and the cells move far from zero, also without input. */
+static void make_weights(uint32_t levels) {
+    uint64_t random = levels;
+    (void)memset(&weights, 0, sizeof weights);
+    weights.levels = levels;
+    fill(&random, weights.head_bias, ELMOPP_LSTM_INPUTS, 0.5F);
+    fill(&random, weights.head_row[0], ELMOPP_LSTM_UNITS * ELMOPP_LSTM_INPUTS, 2.0F);
+    fill(&random, weights.outer.bias, ELMOPP_LSTM_GATES, 2.0F);
+    fill(&random, weights.outer.row[0], ELMOPP_LSTM_OUTER_ROWS * ELMOPP_LSTM_GATES, 1.0F);
+    for (uint32_t i = 0U; (i + 1U) < levels; i++) {
+        fill(&random, weights.inner[i].bias, ELMOPP_LSTM_GATES, 2.0F);
+        fill(&random, weights.inner[i].row[0], ELMOPP_LSTM_INNER_ROWS * ELMOPP_LSTM_GATES, 1.0F);
+    }
+}
+
+/* The output of a step becomes `next`. */
+static void step(const float input[ELMOPP_LSTM_INPUTS], float next[ELMOPP_LSTM_INPUTS], uint64_t *digest) {
+    elmopp_lstm_f32_step(&weights, &state, input);
+    elmopp_lstm_f32_output(&weights, &state, next);
+    take(digest, state.hidden, ELMOPP_LSTM_UNITS);
+    take(digest, state.cell[0], ELMOPP_LSTM_LEVELS_MAX * ELMOPP_LSTM_UNITS);
+    take(digest, next, ELMOPP_LSTM_INPUTS);
+}
+
+static void print_lstm(uint32_t levels) {
+    static const char *const driven_name[] = {"lstm-1-driven", "lstm-2-driven", "lstm-3-driven"};
+    static const char *const free_name[] = {"lstm-1-free", "lstm-2-free", "lstm-3-free"};
+    uint64_t driven = FNV_BASIS;
+    uint64_t freely = FNV_BASIS;
+    uint64_t random = 100U + levels;
+    float input[ELMOPP_LSTM_INPUTS];
+    float next[ELMOPP_LSTM_INPUTS];
+    make_weights(levels);
+    (void)memset(&state, 0, sizeof state);
+    for (uint32_t i = 0U; i < DRIVEN_STEPS; i++) {
+        fill(&random, input, ELMOPP_LSTM_INPUTS, 4.0F);
+        step(input, next, &driven);
+    }
+    for (uint32_t i = 0U; i < FREE_STEPS; i++) {
+        (void)memcpy(input, next, sizeof input);
+        step(input, next, &freely);
+    }
+    print_digest(driven_name[levels - 1U], driven);
+    print_digest(free_name[levels - 1U], freely);
+}
+
+/* Over floats of either sign, from zero past infinity to the last NaN. */
+static void print_function(const char *name, float (*function)(float)) {
+    uint64_t digest = FNV_BASIS;
+    for (uint32_t magnitude = 0U; magnitude < SIGN_BIT; magnitude += ARGUMENT_STRIDE) {
+        for (uint32_t sign = 0U; sign < 2U; sign++) {
+            const uint32_t bits = magnitude | (sign << 31U);
+            float argument;
+            (void)memcpy(&argument, &bits, sizeof argument);
+            const float result = function(argument);
+            take(&digest, &result, 1U);
+        }
+    }
+    print_digest(name, digest);
+}
+
+int main(void) {
+    print_function("exp", elmopp_exp);
+    print_function("tanh", elmopp_tanh);
+    print_function("sigmoid", elmopp_sigmoid);
+    for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
+        print_lstm(levels);
+    }
+    return 0;
+}
