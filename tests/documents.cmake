@@ -14,6 +14,12 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
         LABELS sim golden generated TIMEOUT 300)
     set_tests_properties(test_accuracy PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
 
+    # Needs ./tools/setup train, which tools/check --all calls.
+    elmopp_add_python_test(NAME test_train
+        COMMAND -m pytest -q tests/python/test_train.py
+        LABELS sim nightly TIMEOUT 3600)
+    set_tests_properties(test_train PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
+
     add_test(NAME all_choosers
         COMMAND host_sim experiment --profile paper,saturation,figure,literal --choosers all --no-figures
             --out ${PROJECT_BINARY_DIR}/all_choosers)
