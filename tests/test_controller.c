@@ -513,7 +513,7 @@ static void test_a_network_is_told_from_its_own_rows_and_its_cold_start(void) {
 /* Cold probes say the mean and are right, so the account is bad from the first warm one on. */
 static void test_a_network_that_is_worse_than_the_mean_is_not_listened_to(void) {
     start_with_a_loud_network();
-    const uint32_t first_wrong = ELMOPP_FORECAST_COLD_S + ELMOPP_FORECAST_PROBE_S;
+    const uint32_t first_wrong = ELMOPP_FORECAST_COLD_S + ELMOPP_ACCOUNT_PROBE_S;
     for (uint32_t n = 1U; n < first_wrong; n++) {
         step();
         TEST_ASSERT_FALSE(controller.foresight == ELMOPP_FORESIGHT_DISTRUSTED);
@@ -529,14 +529,15 @@ static void test_a_network_that_is_worse_than_the_mean_is_not_listened_to(void) 
 static void test_an_account_that_is_too_short_is_no_reason(void) {
     start_with_a_loud_network();
     seconds(70U, 0U);
-    controller.forecast.error = (elmopp_forecast_error_t){9.0F, 1.0F, 1.0F, ELMOPP_CONTROLLER_ACCOUNT_MIN_S - 2U};
+    controller.forecast.account.error =
+        (elmopp_account_error_t){9.0F, 1.0F, 1.0F, ELMOPP_CONTROLLER_ACCOUNT_MIN_S - 2U};
     step();
     TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);
 }
 
 /* Either is enough; as good as both is good enough; and trust comes back. */
 static void test_trust_follows_the_account_against_persistence_and_the_mean(void) {
-    static const elmopp_forecast_error_t accounts[] = {
+    static const elmopp_account_error_t accounts[] = {
         {2.0F, 1.0F, 3.0F, 500U}, {2.0F, 3.0F, 1.0F, 500U}, {2.0F, 3.0F, 3.0F, 500U}, {0.0F, 0.0F, 0.0F, 500U}};
     static const elmopp_foresight_t right[] = {ELMOPP_FORESIGHT_DISTRUSTED, ELMOPP_FORESIGHT_DISTRUSTED,
                                                ELMOPP_FORESIGHT_OWN, ELMOPP_FORESIGHT_OWN};
@@ -545,7 +546,7 @@ static void test_trust_follows_the_account_against_persistence_and_the_mean(void
         elmopp_controller_absorb(&controller, arrived_veh); /* nothing is said, so nothing is compared */
     }
     for (uint32_t i = 0U; i < 4U; i++) {
-        controller.forecast.error = accounts[i];
+        controller.forecast.account.error = accounts[i];
         step();
         TEST_ASSERT_EQUAL_INT(right[i], controller.foresight);
     }
@@ -554,7 +555,7 @@ static void test_trust_follows_the_account_against_persistence_and_the_mean(void
 /* The comparison rows of the experiment stay what they are called. */
 static void test_only_a_network_can_lose_trust(void) {
     start_with(ELMOPP_FORECAST_PERSISTENCE, 0U);
-    controller.forecast.error = (elmopp_forecast_error_t){9.0F, 1.0F, 1.0F, 500U};
+    controller.forecast.account.error = (elmopp_account_error_t){9.0F, 1.0F, 1.0F, 500U};
     arrived_veh[0] = 2.0F;
     step();
     TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);

@@ -15,7 +15,7 @@
 #include <string.h>
 
 #define HORIZON ELMOPP_HORIZON_MAX
-#define PROBE ELMOPP_FORECAST_PROBE_S
+#define PROBE ELMOPP_ACCOUNT_PROBE_S
 
 static elmopp_junction_t junction;
 static elmopp_forecast_t forecast;
@@ -265,7 +265,7 @@ static void test_the_account_is_the_mean_squared_error_of_what_was_said_30_secon
         look(60U);
     }
     observe_all(2.0F);
-    elmopp_forecast_error_t error = elmopp_forecast_error(&forecast);
+    elmopp_account_error_t error = elmopp_forecast_error(&forecast);
     TEST_ASSERT_EQUAL_FLOAT(1.0F, error.forecast);
     TEST_ASSERT_EQUAL_FLOAT(1.0F, error.persistence);
     TEST_ASSERT_EQUAL_FLOAT(1.0F, error.mean);
@@ -308,17 +308,17 @@ static void test_what_was_not_said_is_not_compared(void) {
 
 static void test_the_account_forgets_with_its_window(void) {
     start(ELMOPP_FORECAST_PERSISTENCE, NULL, NULL);
-    for (uint32_t n = 0U; n < (PROBE + ELMOPP_FORECAST_ERROR_WINDOW_S); n++) {
+    for (uint32_t n = 0U; n < (PROBE + ELMOPP_ACCOUNT_WINDOW_S); n++) {
         observe_all(((n / PROBE) % 2U == 0U) ? 0.0F : 1.0F); /* what was said is always wrong by 1 */
         look(60U);
     }
     TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 1.0F, elmopp_forecast_error(&forecast).persistence);
-    for (uint32_t n = 0U; n < (PROBE + ELMOPP_FORECAST_ERROR_WINDOW_S); n++) {
+    for (uint32_t n = 0U; n < (PROBE + ELMOPP_ACCOUNT_WINDOW_S); n++) {
         observe_all(1.0F);
         look(60U);
     }
     TEST_ASSERT_FLOAT_WITHIN(0.08F, 0.36F, elmopp_forecast_error(&forecast).persistence);
-    forecast.error.compared_s = UINT32_MAX;
+    forecast.account.error.compared_s = UINT32_MAX;
     observe_all(1.0F);
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, elmopp_forecast_error(&forecast).compared_s);
 }
@@ -328,7 +328,7 @@ static void test_falling_back_gives_the_mean_and_leaves_the_account(void) {
     start(ELMOPP_FORECAST_LSTM, &elmopp_weights_lstm, mean_veh_per_s);
     observe_some(70U);
     look(60U);
-    const elmopp_forecast_probe_t said = forecast.probe[(forecast.probe_at + PROBE - 1U) % PROBE];
+    const elmopp_account_probe_t said = forecast.account.probe[(forecast.account.due + PROBE - 1U) % PROBE];
     TEST_ASSERT_TRUE(said.said);
     TEST_ASSERT_EQUAL_UINT16(60U, elmopp_forecast_fall_back(&forecast, 60U, rows));
     for (uint32_t i = 0U; i < 4U; i++) {
@@ -337,7 +337,7 @@ static void test_falling_back_gives_the_mean_and_leaves_the_account(void) {
         TEST_ASSERT_FALSE(said.forecast_veh[i] == mean_veh_per_s[i]);
     }
     TEST_ASSERT_NULL(rows[4]);
-    TEST_ASSERT_EQUAL_MEMORY(&said, &forecast.probe[(forecast.probe_at + PROBE - 1U) % PROBE], sizeof said);
+    TEST_ASSERT_EQUAL_MEMORY(&said, &forecast.account.probe[(forecast.account.due + PROBE - 1U) % PROBE], sizeof said);
     start(ELMOPP_FORECAST_NONE, NULL, NULL);
     TEST_ASSERT_EQUAL_UINT16(0U, elmopp_forecast_fall_back(&forecast, 60U, rows));
     TEST_ASSERT_NULL(rows[0]);

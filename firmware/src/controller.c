@@ -51,7 +51,7 @@ static uint32_t waiting_movements(const elmopp_controller_t *self, const float *
 static bool is_distrusted(const elmopp_forecast_t *forecast) {
     const bool network = (forecast->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
                          (forecast->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
-    const elmopp_forecast_error_t error = elmopp_forecast_error(forecast);
+    const elmopp_account_error_t error = elmopp_forecast_error(forecast);
     const bool worse = (error.forecast > error.mean) || (error.forecast > error.persistence);
     return network && worse && (error.compared_s >= ELMOPP_CONTROLLER_ACCOUNT_MIN_S);
 }

@@ -40,6 +40,11 @@ float elmopp_exp(float x) {
     return (sum + 1.0F) * power_of_two(n);
 }
 
+void elmopp_average(float *mean, float value, uint32_t seen, uint32_t window) {
+    const uint32_t weight = (seen < window) ? seen : window;
+    *mean += (value - *mean) / (float)weight;
+}
+
 #define SIGN_BIT 0x80000000U
 
 static inline uint32_t bits_of(float x) {

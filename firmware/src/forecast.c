@@ -4,13 +4,9 @@
 #include "elmopp/forecast.h"
 
 #include "elmopp/assert.h"
+#include "elmopp/elementary.h"
 
 #include <stddef.h>
-
-static void average(float *mean, float value, uint32_t seen, uint32_t window) {
-    const uint32_t weight = (seen < window) ? seen : window;
-    *mean += (value - *mean) / (float)weight;
-}
 
 static uint32_t lanes_of(const elmopp_junction_t *junction, uint32_t approach, const float *value, float *sum) {
     uint32_t count = 0U;
@@ -84,48 +80,25 @@ static void remember(elmopp_forecast_t *self) {
     }
 }
 
-/* What the due probe said is compared with what came, and makes room for the next. */
-static void settle(elmopp_forecast_t *self) {
-    elmopp_forecast_probe_t *due = &self->probe[self->probe_at];
-    if (due->said) {
-        elmopp_forecast_error_t now = {0};
-        for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-            const float came_veh = self->last_veh[i][0];
-            const float forecast = due->forecast_veh[i] - came_veh;
-            const float persistence = due->persistence_veh[i] - came_veh;
-            const float mean = due->mean_veh[i] - came_veh;
-            now.forecast += forecast * forecast;
-            now.persistence += persistence * persistence;
-            now.mean += mean * mean;
-        }
-        const float count = (float)self->junction->approach_count;
-        self->error.compared_s += (self->error.compared_s < UINT32_MAX) ? 1U : 0U;
-        const uint32_t seen = self->error.compared_s;
-        average(&self->error.forecast, now.forecast / count, seen, ELMOPP_FORECAST_ERROR_WINDOW_S);
-        average(&self->error.persistence, now.persistence / count, seen, ELMOPP_FORECAST_ERROR_WINDOW_S);
-        average(&self->error.mean, now.mean / count, seen, ELMOPP_FORECAST_ERROR_WINDOW_S);
-    }
-    due->said = false;
-    self->probe_at = (self->probe_at + 1U) % ELMOPP_FORECAST_PROBE_S;
-}
-
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh) {
     self->seen_s += (self->seen_s < UINT32_MAX) ? 1U : 0U;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        average(&self->movement_mean_veh[j], arrivals_veh[j], self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
+        elmopp_average(&self->movement_mean_veh[j], arrivals_veh[j], self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
     }
+    float came_veh[ELMOPP_APPROACH_MAX];
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
         float sum_veh;
         (void)lanes_of(self->junction, i, arrivals_veh, &sum_veh);
-        average(&self->mean_veh[i], sum_veh, self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
-        average(&self->ewma_veh[i], sum_veh, self->seen_s, ELMOPP_FORECAST_EWMA_WINDOW_S);
+        came_veh[i] = sum_veh;
+        elmopp_average(&self->mean_veh[i], sum_veh, self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
+        elmopp_average(&self->ewma_veh[i], sum_veh, self->seen_s, ELMOPP_FORECAST_EWMA_WINDOW_S);
         for (uint32_t lag = ELMOPP_AR8_LAGS - 1U; lag > 0U; lag--) {
             self->last_veh[i][lag] = self->last_veh[i][lag - 1U];
         }
         self->last_veh[i][0] = sum_veh;
     }
     update_shares(self);
-    settle(self);
+    elmopp_account_settle(&self->account, came_veh, self->junction->approach_count);
     if (self->armed) {
         remember(self);
     }
@@ -141,8 +114,8 @@ elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self) {
     return short_of_lags ? ELMOPP_FORECAST_COLD : ELMOPP_FORECAST_READY;
 }
 
-elmopp_forecast_error_t elmopp_forecast_error(const elmopp_forecast_t *self) {
-    return self->error;
+elmopp_account_error_t elmopp_forecast_error(const elmopp_forecast_t *self) {
+    return self->account.error;
 }
 
 static void fill_constant(elmopp_forecast_t *self, uint32_t approach, float value_veh, uint32_t steps) {
@@ -221,17 +194,15 @@ static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
     }
 }
 
-/* Enters what is said about the probe's second into the slot that falls due then. */
+/* Enters what is said about the probe's second. */
 static void enter(elmopp_forecast_t *self) {
-    /* settle() moved on at the last observation: the slot before is due in ELMOPP_FORECAST_PROBE_S of them. */
-    elmopp_forecast_probe_t *slot =
-        &self->probe[(self->probe_at + ELMOPP_FORECAST_PROBE_S - 1U) % ELMOPP_FORECAST_PROBE_S];
+    elmopp_account_probe_t *page = elmopp_account_page(&self->account);
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-        slot->forecast_veh[i] = self->row_veh[i][ELMOPP_FORECAST_PROBE_S - 1U];
-        slot->persistence_veh[i] = self->last_veh[i][0];
-        slot->mean_veh[i] = scale_of(self, i);
+        page->forecast_veh[i] = self->row_veh[i][ELMOPP_ACCOUNT_PROBE_S - 1U];
+        page->persistence_veh[i] = self->last_veh[i][0];
+        page->mean_veh[i] = scale_of(self, i);
     }
-    slot->said = true;
+    page->said = true;
 }
 
 static uint16_t hand_out(const elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
@@ -246,7 +217,7 @@ uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const flo
     ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
     if (self->config.kind != (uint8_t)ELMOPP_FORECAST_NONE) {
         fill_rows(self, steps);
-        if (steps >= ELMOPP_FORECAST_PROBE_S) {
+        if (steps >= ELMOPP_ACCOUNT_PROBE_S) {
             enter(self);
         }
     }

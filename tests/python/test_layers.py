@@ -20,6 +20,7 @@ LEVELS = {
     "elementary": 0,
     "image": 0,
     "chooser": 0,
+    "account": 1,
     "ar8": 1,
     "lstm_f32": 1,
     "plan": 1,
@@ -79,7 +80,7 @@ def test_no_room_knows_a_higher_level_or_another_of_its_own() -> None:
 
 
 def test_plan_site_and_the_choosers_know_level_0_only() -> None:
-    for room in ("plan", "site", "ar8", "lstm_f32", "urgency", "pressure"):
+    for room in ("plan", "site", "account", "ar8", "lstm_f32", "urgency", "pressure"):
         assert ROOMS[room] == LEVEL_0
 
 

@@ -31,6 +31,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "junction": frozenset({"assert", "bounds"}),
     "chooser": frozenset({"bounds", "junction"}),
     # level 1: not each other
+    "account": LEVEL_0,
     "ar8": LEVEL_0,
     "lstm_f32": LEVEL_0,
     "plan": LEVEL_0,
@@ -38,11 +39,11 @@ ROOMS: dict[str, frozenset[str]] = {
     # level 2: what is learnt, for both models
     "weights": LEVEL_0 | {"ar8", "lstm_f32"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | {"ar8", "lstm_f32", "weights"},
+    "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
     "urgency": LEVEL_0,
     "pressure": LEVEL_0,
     # level 4
-    "controller": LEVEL_0 | {"ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
+    "controller": LEVEL_0 | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
 }
 
 # The standard headers that need no library.

@@ -22,7 +22,7 @@
 /// The decision log shows each approach's forecast summed over so many seconds.
 #define ELMOPP_CONTROLLER_TRACE_S 60U
 
-/// A network's forecast is trusted again, or not, once so many seconds of its account (forecast.h) are in.
+/// A network's forecast is trusted again, or not, once so many seconds of its account (account.h) are in.
 #define ELMOPP_CONTROLLER_ACCOUNT_MIN_S 60U
 
 /// A movement waits if at least this many vehicles are counted on it.

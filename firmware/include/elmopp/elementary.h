@@ -35,4 +35,8 @@ float elmopp_sigmoid(float x);
 void elmopp_tanh_each(float *value, uint32_t count);
 void elmopp_sigmoid_each(float *value, uint32_t count);
 
+/// A running mean takes its `seen`-th value (from 1): weighted by 1 / min(seen, window), which is the exact average
+/// until the window is full and an exponential one after it. No ring of values is needed.
+void elmopp_average(float *mean, float value, uint32_t seen, uint32_t window);
+
 #endif

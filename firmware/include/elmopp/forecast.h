@@ -23,14 +23,14 @@
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
 ///
-/// The account: what was foreseen for ELMOPP_FORECAST_PROBE_S seconds later is kept until then and compared with what
-/// came, beside what persistence and the mean said in the same second.
+/// What it says is entered in an account of its error (account.h).
 ///
 /// Owner: the controller. Not thread-safe; bounded by ELMOPP_APPROACH_MAX times the steps asked for.
 
 #ifndef ELMOPP_FORECAST_H
 #define ELMOPP_FORECAST_H
 
+#include "elmopp/account.h"
 #include "elmopp/ar8.h"
 #include "elmopp/junction.h"
 #include "elmopp/weights.h"
@@ -39,8 +39,6 @@
 #define ELMOPP_FORECAST_EWMA_WINDOW_S 120U
 #define ELMOPP_FORECAST_SHARE_MIN_S 60U ///< shares are equal until so many seconds have been seen
 #define ELMOPP_FORECAST_COLD_S 60U      ///< a network says the mean until so many seconds have been seen
-#define ELMOPP_FORECAST_PROBE_S 30U     ///< how far ahead the account looks
-#define ELMOPP_FORECAST_ERROR_WINDOW_S 300U
 
 /// Approaches that one state of a network looks after, and how many states a junction needs at most.
 #define ELMOPP_FORECAST_GROUP_SIZE ELMOPP_LSTM_INPUTS
@@ -61,22 +59,6 @@ typedef enum {
     ELMOPP_FORECAST_UNARMED ///< the mean: there are no weights, or not such as the kind needs, or they fail their check
 } elmopp_forecast_status_t;
 
-/// Mean squared errors over the last minutes, ELMOPP_FORECAST_PROBE_S ahead, over all approaches; (vehicles/s)^2.
-typedef struct {
-    float forecast;
-    float persistence;
-    float mean;
-    uint32_t compared_s; ///< seconds compared; saturates at UINT32_MAX. 0: nothing is known yet
-} elmopp_forecast_error_t;
-
-/// What was said in one second about ELMOPP_FORECAST_PROBE_S later.
-typedef struct {
-    float forecast_veh[ELMOPP_APPROACH_MAX];
-    float persistence_veh[ELMOPP_APPROACH_MAX];
-    float mean_veh[ELMOPP_APPROACH_MAX];
-    bool said;
-} elmopp_forecast_probe_t;
-
 /// State. Set up by elmopp_forecast_init(); nobody else writes it.
 typedef struct {
     elmopp_forecast_config_t config;
@@ -89,9 +71,7 @@ typedef struct {
     float share[ELMOPP_MOVEMENT_MAX];
     float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_AR8_LAGS]; ///< [0] is the newest second
     elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];
-    elmopp_forecast_probe_t probe[ELMOPP_FORECAST_PROBE_S]; ///< a ring
-    uint32_t probe_at;                                      ///< the probe that is due at the next observation
-    elmopp_forecast_error_t error;
+    elmopp_account_t account;
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
 } elmopp_forecast_t;
 
@@ -114,7 +94,7 @@ uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, cons
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self);
 
 /// The account so far.
-elmopp_forecast_error_t elmopp_forecast_error(const elmopp_forecast_t *self);
+elmopp_account_error_t elmopp_forecast_error(const elmopp_forecast_t *self);
 
 /// Share of each movement in its approach's arrivals: [movement], sums to 1 over an approach.
 const float *elmopp_forecast_share(const elmopp_forecast_t *self);
