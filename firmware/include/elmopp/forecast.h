@@ -12,9 +12,8 @@
 ///   persistence  the last second in every step
 ///   ewma         an exponentially weighted mean, time constant 120 s, in every step
 ///   ar8          a regression over the last eight seconds (ar8.h). The mean until eight seconds have been seen.
-///   lstm, nlstm  a network (lstm_f32.h) of one level, or of more, that sees every second and runs on its own output
-///   from
-///                a copy of its state. The mean until 60 seconds have been seen, or if its weights are refused.
+///   lstm, nlstm  a network (lstm_f32.h) of one level, or of more, that sees every second and runs on its own output,
+///                from a copy of its state. The mean until 60 seconds have been seen, or if its weights are refused.
 ///
 /// The networks see arrivals / demand scale, at most and at least what the weights say, and what they say is held in
 /// the same range. They have four inputs: approaches go in groups of four in site order, one state a group, the same

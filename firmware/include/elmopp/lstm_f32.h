@@ -2,7 +2,7 @@
  * Copyright 2026 The ELMOPP authors */
 
 /// LSTM in single precision: one second of a long short-term memory, plain (Hochreiter and Schmidhuber 1997) or nested
-/// (Moniz and Krueger 2017, eqs. 5 to 15; the paper's NLSTM), with a linear head.
+/// (Moniz and Krueger 2017; the paper's NLSTM), with a linear head.
 ///
 /// One step function for 1 to 3 levels: a nested LSTM of depth 1 is an LSTM. Each level computes from its input x and
 /// its hidden input h, s = sigmoid:
