@@ -8,25 +8,31 @@
 
 #include <stddef.h>
 
-static uint32_t lanes_of(const elmopp_junction_t *junction, uint32_t approach, const float *value, float *sum) {
-    uint32_t count = 0U;
-    *sum = 0.0F;
-    for (uint32_t j = 0U; j < junction->movement_count; j++) {
-        if (junction->movement[j].approach == approach) {
-            *sum += value[j];
-            count++;
-        }
+/* Sums a value of each movement over its approach, in the order of the movements. */
+static void sum_by_approach(const elmopp_junction_t *junction, const float *value, float sum[ELMOPP_APPROACH_MAX]) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        sum[i] = 0.0F;
     }
-    return count;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        sum[junction->movement[j].approach] += value[j];
+    }
+}
+
+static float equal_share(const elmopp_junction_t *junction, uint32_t approach) {
+    uint32_t count = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        count += (junction->movement[j].approach == approach) ? 1U : 0U;
+    }
+    return 1.0F / (float)count;
 }
 
 static void update_shares(elmopp_forecast_t *self) {
+    float sum_veh[ELMOPP_APPROACH_MAX];
+    sum_by_approach(self->junction, self->movement_mean_veh, sum_veh);
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        float sum_veh;
-        const uint32_t count =
-            lanes_of(self->junction, self->junction->movement[j].approach, self->movement_mean_veh, &sum_veh);
-        const bool known = (self->seen_s >= ELMOPP_FORECAST_SHARE_MIN_S) && (sum_veh > 0.0F);
-        self->share[j] = known ? (self->movement_mean_veh[j] / sum_veh) : (1.0F / (float)count);
+        const uint32_t i = self->junction->movement[j].approach;
+        const bool known = (self->seen_s >= ELMOPP_FORECAST_SHARE_MIN_S) && (sum_veh[i] > 0.0F);
+        self->share[j] = known ? (self->movement_mean_veh[j] / sum_veh[i]) : equal_share(self->junction, i);
     }
 }
 
@@ -86,16 +92,14 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
         elmopp_average(&self->movement_mean_veh[j], arrivals_veh[j], self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
     }
     float came_veh[ELMOPP_APPROACH_MAX];
+    sum_by_approach(self->junction, arrivals_veh, came_veh);
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-        float sum_veh;
-        (void)lanes_of(self->junction, i, arrivals_veh, &sum_veh);
-        came_veh[i] = sum_veh;
-        elmopp_average(&self->mean_veh[i], sum_veh, self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
-        elmopp_average(&self->ewma_veh[i], sum_veh, self->seen_s, ELMOPP_FORECAST_EWMA_WINDOW_S);
+        elmopp_average(&self->mean_veh[i], came_veh[i], self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
+        elmopp_average(&self->ewma_veh[i], came_veh[i], self->seen_s, ELMOPP_FORECAST_EWMA_WINDOW_S);
         for (uint32_t lag = ELMOPP_AR8_LAGS - 1U; lag > 0U; lag--) {
             self->last_veh[i][lag] = self->last_veh[i][lag - 1U];
         }
-        self->last_veh[i][0] = sum_veh;
+        self->last_veh[i][0] = came_veh[i];
     }
     update_shares(self);
     elmopp_account_settle(&self->account, came_veh, self->junction->approach_count);
