@@ -306,23 +306,6 @@ static void test_what_was_not_said_is_not_compared(void) {
     TEST_ASSERT_EQUAL_UINT32(1U, elmopp_forecast_error(&forecast).compared_s);
 }
 
-static void test_the_account_forgets_with_its_window(void) {
-    start(ELMOPP_FORECAST_PERSISTENCE, NULL, NULL);
-    for (uint32_t n = 0U; n < (PROBE + ELMOPP_ACCOUNT_WINDOW_S); n++) {
-        observe_all(((n / PROBE) % 2U == 0U) ? 0.0F : 1.0F); /* what was said is always wrong by 1 */
-        look(60U);
-    }
-    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 1.0F, elmopp_forecast_error(&forecast).persistence);
-    for (uint32_t n = 0U; n < (PROBE + ELMOPP_ACCOUNT_WINDOW_S); n++) {
-        observe_all(1.0F);
-        look(60U);
-    }
-    TEST_ASSERT_FLOAT_WITHIN(0.08F, 0.36F, elmopp_forecast_error(&forecast).persistence);
-    forecast.account.error.compared_s = UINT32_MAX;
-    observe_all(1.0F);
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, elmopp_forecast_error(&forecast).compared_s);
-}
-
 static void test_falling_back_gives_the_mean_and_leaves_the_account(void) {
     static const float mean_veh_per_s[4] = {1.0F, 2.0F, 3.0F, 4.0F};
     start(ELMOPP_FORECAST_LSTM, &elmopp_weights_lstm, mean_veh_per_s);
@@ -358,7 +341,6 @@ int main(void) {
     RUN_TEST(test_the_account_is_the_mean_squared_error_of_what_was_said_30_seconds_before);
     RUN_TEST(test_every_approach_counts_in_the_account);
     RUN_TEST(test_what_was_not_said_is_not_compared);
-    RUN_TEST(test_the_account_forgets_with_its_window);
     RUN_TEST(test_falling_back_gives_the_mean_and_leaves_the_account);
     return UNITY_END();
 }
