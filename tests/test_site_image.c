@@ -4,6 +4,7 @@
 /// elmopp_site_load(): what was written comes back, and nothing that was changed on the way is taken.
 
 #include "elmopp/site.h"
+#include "image_writer.h"
 #include "sites.h"
 #include "unity.h"
 
@@ -18,35 +19,13 @@ static elmopp_junction_t out;
 
 void tearDown(void) {}
 
-/* Table form of CRC-32 (IEEE 802.3), half a byte at a time: not the code under test. */
-static uint32_t checksum(const uint8_t *bytes, uint32_t length) {
-    static const uint32_t nibble[16] = {0x00000000U, 0x1DB71064U, 0x3B6E20C8U, 0x26D930ACU, 0x76DC4190U, 0x6B6B51F4U,
-                                        0x4DB26158U, 0x5005713CU, 0xEDB88320U, 0xF00F9344U, 0xD6D6A3E8U, 0xCB61B38CU,
-                                        0x9B64C2B0U, 0x86D3D2D4U, 0xA00AE278U, 0xBDBDF21CU};
-    uint32_t crc = 0xFFFFFFFFU;
-    for (uint32_t i = 0U; i < length; i++) {
-        crc = nibble[(crc ^ bytes[i]) & 0xFU] ^ (crc >> 4U);
-        crc = nibble[(crc ^ ((uint32_t)bytes[i] >> 4U)) & 0xFU] ^ (crc >> 4U);
-    }
-    return crc ^ 0xFFFFFFFFU;
-}
-
-static void put_word(uint8_t *at, uint32_t word) {
-    for (uint32_t i = 0U; i < 4U; i++) {
-        at[i] = (uint8_t)(word >> (8U * i));
-    }
-}
-
 static void write_image(const elmopp_junction_t *junction) {
     (void)memcpy(&image[16], junction, BODY_SIZE);
-    put_word(image, 0x534D4C45U); /* "ELMS" */
-    put_word(&image[4], 1U);
-    put_word(&image[8], BODY_SIZE);
-    put_word(&image[12], checksum(&image[16], BODY_SIZE));
+    image_seal(image, "ELMS", BODY_SIZE);
 }
 
 void setUp(void) {
-    TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, checksum((const uint8_t *)"123456789", 9U));
+    TEST_ASSERT_EQUAL_HEX32(0xCBF43926U, image_checksum((const uint8_t *)"123456789", 9U));
     write_image(&elmopp_site_four_way);
     (void)memset(&out, CANARY, sizeof out);
 }
@@ -109,11 +88,11 @@ static void test_one_byte_more_is_refused(void) {
 }
 
 static void test_a_length_word_that_agrees_with_a_wrong_length_is_refused(void) {
-    put_word(&image[8], BODY_SIZE - 4U);
+    image_put_word(&image[8], BODY_SIZE - 4U);
     TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_IMAGE_LENGTH, elmopp_site_load(image, IMAGE_SIZE - 4U, &out).fault);
-    put_word(&image[8], 0xFFFFFFFFU);
+    image_put_word(&image[8], 0xFFFFFFFFU);
     expect_refused(ELMOPP_SITE_IMAGE_LENGTH);
-    put_word(&image[8], 0xFFFFFFF0U);
+    image_put_word(&image[8], 0xFFFFFFF0U);
     TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_IMAGE_LENGTH, elmopp_site_load(image, 16U, &out).fault);
     expect_out_unchanged();
 }
@@ -130,7 +109,7 @@ static void test_an_intact_image_of_a_bad_site_is_refused_with_its_indices(void)
 }
 
 static void test_an_image_of_the_next_version_is_refused(void) {
-    put_word(&image[4], ELMOPP_SITE_IMAGE_VERSION_NOW + 1U);
+    image_put_word(&image[4], ELMOPP_SITE_IMAGE_VERSION_NOW + 1U);
     expect_refused(ELMOPP_SITE_IMAGE_VERSION);
 }
 

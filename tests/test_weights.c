@@ -6,6 +6,7 @@
 
 #include "elmopp/weights.h"
 #include "elmopp_weights.h"
+#include "image_writer.h"
 #include "unity.h"
 
 #include <math.h>
@@ -22,34 +23,12 @@ static elmopp_weights_t canary;
 
 void tearDown(void) {}
 
-/* CRC-32 (IEEE 802.3), half a byte at a time: not the code under test. */
-static uint32_t checksum(const uint8_t *bytes, uint32_t length) {
-    static const uint32_t nibble[16] = {0x00000000U, 0x1DB71064U, 0x3B6E20C8U, 0x26D930ACU, 0x76DC4190U, 0x6B6B51F4U,
-                                        0x4DB26158U, 0x5005713CU, 0xEDB88320U, 0xF00F9344U, 0xD6D6A3E8U, 0xCB61B38CU,
-                                        0x9B64C2B0U, 0x86D3D2D4U, 0xA00AE278U, 0xBDBDF21CU};
-    uint32_t crc = 0xFFFFFFFFU;
-    for (uint32_t i = 0U; i < length; i++) {
-        crc = nibble[(crc ^ bytes[i]) & 0xFU] ^ (crc >> 4U);
-        crc = nibble[(crc ^ ((uint32_t)bytes[i] >> 4U)) & 0xFU] ^ (crc >> 4U);
-    }
-    return crc ^ 0xFFFFFFFFU;
-}
-
-static void put_word(uint8_t *at, uint32_t word) {
-    for (uint32_t i = 0U; i < 4U; i++) {
-        at[i] = (uint8_t)(word >> (8U * i));
-    }
-}
-
 static void seal(void) {
-    put_word(&image[12], checksum(&image[16], BODY_SIZE));
+    image_seal(image, "ELMW", BODY_SIZE);
 }
 
 static void write_image(const elmopp_weights_t *weights) {
     (void)memcpy(&image[16], weights, BODY_SIZE);
-    put_word(image, 0x574D4C45U); /* "ELMW" */
-    put_word(&image[4], 1U);
-    put_word(&image[8], BODY_SIZE);
     seal();
 }
 
@@ -110,16 +89,16 @@ static void test_a_cut_or_longer_image_is_refused(void) {
 }
 
 static void test_another_version_is_refused(void) {
-    put_word(&image[4], ELMOPP_WEIGHTS_VERSION_NOW + 1U);
+    image_put_word(&image[4], ELMOPP_WEIGHTS_VERSION_NOW + 1U);
     expect_refused(ELMOPP_WEIGHTS_VERSION);
-    put_word(&image[4], 0U);
+    image_put_word(&image[4], 0U);
     expect_refused(ELMOPP_WEIGHTS_VERSION);
 }
 
 /* A body of another shape, whose length is told truthfully and whose checksum fits. */
 static void test_another_shape_is_refused(void) {
-    put_word(&image[8], BODY_SIZE - 256U);
-    put_word(&image[12], checksum(&image[16], BODY_SIZE - 256U));
+    image_put_word(&image[8], BODY_SIZE - 256U);
+    image_put_word(&image[12], image_checksum(&image[16], BODY_SIZE - 256U));
     expect_refused_of_length(ELMOPP_WEIGHTS_LENGTH, IMAGE_SIZE - 256U);
 }
 
@@ -127,11 +106,11 @@ static void test_levels_must_be_one_to_three(void) {
     static const uint32_t wrong[4] = {0U, 4U, 256U, 0xFFFFFFFFU};
     for (uint32_t i = 0U; i < 4U; i++) {
         write_image(&elmopp_weights_nlstm);
-        put_word(&image[16U + offsetof(elmopp_weights_t, lstm.levels)], wrong[i]);
+        image_put_word(&image[16U + offsetof(elmopp_weights_t, lstm.levels)], wrong[i]);
         seal();
         expect_refused(ELMOPP_WEIGHTS_LEVELS);
     }
-    put_word(&image[16U + offsetof(elmopp_weights_t, lstm.levels)], 2U);
+    image_put_word(&image[16U + offsetof(elmopp_weights_t, lstm.levels)], 2U);
     seal();
     TEST_ASSERT_EQUAL_INT(ELMOPP_WEIGHTS_OK, elmopp_weights_load(image, IMAGE_SIZE, &out));
 }

@@ -43,7 +43,8 @@ ROOMS: dict[str, frozenset[str]] = {
     "urgency": LEVEL_0,
     "pressure": LEVEL_0,
     # level 4
-    "controller": LEVEL_0 | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
+    "controller": LEVEL_0
+    | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
 }
 
 # The standard headers that need no library.

@@ -8,13 +8,10 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
+from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, Outputs, say, write
 from elmopp_tools.plot_data import PlotError, read_results
 from elmopp_tools.plot_figures import KINDS, make_figure
-
-EXIT_DONE = 0
-EXIT_REFUSED = 2
 
 DESCRIPTION = """\
 Draws the results of `host_sim experiment`, which calls this by itself; call it to draw them again. It reads
@@ -43,13 +40,6 @@ Examples:
   tools/plot --results out/experiment --out figures    figures in another folder, made if it is not there"""
 
 
-class _Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line, like all others of this tool."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(EXIT_REFUSED, f"plot: {' '.join(message.split())}; see tools/plot --help\n")
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
@@ -65,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = OneLineParser(
         prog="tools/plot",
         description=DESCRIPTION,
         epilog=EPILOG,
@@ -99,26 +89,15 @@ def _run(results: Path, out: Path) -> None:
         print("\n".join(missing), flush=True)
 
 
-def _write(files: dict[Path, bytes]) -> None:
-    """Writes all files beside their places, then renames: a reader sees the old or the new, never a part."""
-    drafts: dict[Path, Path] = {}
+def _write(files: Outputs) -> None:
     for path in files:
         if path.exists() and not path.is_file():
             raise PlotError(f"{path}: is no regular file; right would be a file, or none")
-    try:
-        for path, content in files.items():
-            drafts[path] = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-            drafts[path].write_bytes(content)
-        for path, draft in drafts.items():
-            draft.replace(path)
-    finally:
-        for draft in drafts.values():
-            draft.unlink(missing_ok=True)
+    write(files)
 
 
 def _refuse(message: str) -> int:
-    """One line on stderr, whatever the message holds."""
-    print(" ".join(f"plot: {message}".split()), file=sys.stderr)
+    say("plot", message)
     return EXIT_REFUSED
 
 
