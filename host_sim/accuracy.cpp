@@ -40,7 +40,7 @@ Weights weights_of(const AccuracyRequest &request) {
     Weights weights{{"lstm", *shipped_weights("lstm")}, {"nlstm", *shipped_weights("nlstm")}};
     for (const auto &file : request.weights) {
         const elmopp_weights_t own = read_weights(file);
-        weights[forecast_of(own)] = own;
+        weights[network_name(own)] = own;
     }
     return weights;
 }

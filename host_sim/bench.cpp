@@ -69,7 +69,7 @@ class Fed {
         }
     }
 
-    /// Time of one step with its output.
+    /// Time of one step.
     double step_ns() {
         return per_step_ns([this](std::size_t step) {
             elmopp_lstm_f32_step(&weights_.lstm, &state_, inputs_[step % inputs_.size()].data());

@@ -57,7 +57,7 @@ elmopp_weights_t read_weights(const std::filesystem::path &file) {
     return weights;
 }
 
-std::string forecast_of(const elmopp_weights_t &weights) {
+std::string network_name(const elmopp_weights_t &weights) {
     return weights.lstm.levels == 1 ? "lstm" : "nlstm";
 }
 
@@ -67,7 +67,7 @@ Foresight foresee(const elmopp_weights_t &weights, const Series &unit, std::uint
     foresight.unit_veh.reserve(seconds * unit.size() * steps);
     const Demand demand = make_demand(unit, 1.0, training_points, {}, true, seconds);
     const elmopp_chooser_t chooser{write_down, &foresight, steps};
-    const elmopp_forecast_config_t config{forecast_kind(forecast_of(weights)), nullptr, demand.mean_veh_per_s.data(),
+    const elmopp_forecast_config_t config{forecast_kind(network_name(weights)), nullptr, demand.mean_veh_per_s.data(),
                                           &weights};
     elmopp_controller_t controller;
     elmopp_controller_init(&controller, &scenario.junction, &chooser, &config);

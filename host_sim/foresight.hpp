@@ -26,7 +26,7 @@ const elmopp_weights_t *shipped_weights(const std::string &forecast);
 elmopp_weights_t read_weights(const std::filesystem::path &file);
 
 /// Which forecast can use such weights: `lstm` with one level, otherwise `nlstm`.
-std::string forecast_of(const elmopp_weights_t &weights);
+std::string network_name(const elmopp_weights_t &weights);
 
 /// Rows of one network on one trajectory, for one vehicle an approach in the simulated seconds.
 struct Foresight {

@@ -248,7 +248,10 @@ void add_run(CLI::App &app, Texts &texts) {
     option("--seconds", texts.seconds, "N", "Length (default: 2000, or the trace's)");
     option("--log", texts.log, "FILE", "Decision log, JSON lines; - is stdout");
     command->add_flag("--full", texts.full, "Queues, reds and departures in the log too");
-    option("--summary", texts.summary, "FILE", "Metrics as JSON (default: stdout, or stderr if the log is there)");
+    option(
+        "--summary", texts.summary, "FILE",
+        "Metrics as JSON, and how often the mean stood in for the forecast and why (default: stdout, or stderr if the "
+        "log is there)");
     option("--link", texts.link, "NAME", "How core and traffic are joined: inproc")->capture_default_str();
     option("--integrator", texts.integrator, "NAME", "rk4 or euler (default: the profile's)");
     add_traffic_options(command, texts);

@@ -10,10 +10,6 @@
 #include "trial.hpp"
 #include "whole_file.hpp"
 
-extern "C" {
-#include "elmopp_weights.h"
-}
-
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
@@ -62,13 +58,21 @@ void write_line(std::ostream &out, const Second &second, bool full) {
     out << "}\n";
 }
 
-/// True if the chooser saw the mean because the forecast that was asked for could not be had or was not trusted.
-bool fell_back(elmopp_foresight_t foresight) {
-    return foresight != ELMOPP_FORESIGHT_OWN && foresight != ELMOPP_FORESIGHT_GIVEN;
-}
+/// Seconds in which the chooser saw the mean because the forecast that was asked for could not be had.
+struct FallBacks {
+    std::size_t cold_s = 0;
+    std::size_t unarmed_s = 0;
+    std::size_t distrusted_s = 0;
+
+    void count(elmopp_foresight_t foresight) {
+        cold_s += foresight == ELMOPP_FORESIGHT_COLD ? 1U : 0U;
+        unarmed_s += foresight == ELMOPP_FORESIGHT_UNARMED ? 1U : 0U;
+        distrusted_s += foresight == ELMOPP_FORESIGHT_DISTRUSTED ? 1U : 0U;
+    }
+};
 
 nlohmann::ordered_json summary_of(const Scenario &scenario, const ChooserSpec &chooser, const RunRequest &request,
-                                  std::size_t seconds, std::size_t fallback_s, const Metrics &metrics) {
+                                  std::size_t seconds, const FallBacks &fallback, const Metrics &metrics) {
     nlohmann::ordered_json summary{{"profile", scenario.profile.name},
                                    {"site", scenario.junction.name},
                                    {"chooser", chooser.label()},
@@ -81,7 +85,8 @@ nlohmann::ordered_json summary_of(const Scenario &scenario, const ChooserSpec &c
         summary["trial"] = request.trial;
     }
     summary["seconds"] = seconds;
-    summary["fallback_s"] = fallback_s;
+    summary["fallback_s"] = {
+        {"cold", fallback.cold_s}, {"unarmed", fallback.unarmed_s}, {"distrusted", fallback.distrusted_s}};
     for (const char *const name :
          {"throughput_veh_per_s", "served_share", "mean_delay_s", "longest_red_s", "switches",
           "figure_throughput_veh_per_s", "vehicles_in", "vehicles_out", "vehicles_queued", "vehicles_outside"}) {
@@ -128,15 +133,15 @@ void run_once(const RunRequest &request) {
         request.trace ? 1.0 : vehicles_per_approach(scenario.profile.scope, request.vehicles, unit.size());
     // A trace has no training points: the regression is the shipped one, as on the street, and its demand scale a
     // running mean.
-    const std::vector<elmopp_ar8_t> street(unit.size(), elmopp_weights_lstm.ar8);
+    const std::vector<elmopp_ar8_t> street(unit.size(), shipped_weights("lstm")->ar8);
     Demand demand = make_demand(unit, each, origin, request.trace ? street : generated.ar8, !request.trace, seconds);
     std::optional<elmopp_weights_t> weights;
     if (request.weights) {
         weights = read_weights(*request.weights);
-        if (forecast_of(*weights) != chooser.forecast) {
+        if (network_name(*weights) != chooser.forecast) {
             throw BadRequest("--weights " + request.weights->string() + ": " + std::to_string(weights->lstm.levels) +
                              " level(s) for chooser " + full_name(chooser.label(), chooser.forecast) +
-                             "; right would be a chooser with forecast " + forecast_of(*weights));
+                             "; right would be a chooser with forecast " + network_name(*weights));
         }
         demand.weights = &*weights;
     }
@@ -150,15 +155,15 @@ void run_once(const RunRequest &request) {
     // The log on stdout keeps it for itself.
     const fs::path beside_log = request.log == fs::path("-") ? "/dev/stderr" : "-";
     WholeFile summary("--summary", request.summary.value_or(beside_log));
-    std::size_t fallback_s = 0;
+    FallBacks fallback;
     const Observer observer = [&](const Second &second) {
-        fallback_s += fell_back(second.controller.foresight) ? 1U : 0U;
+        fallback.count(second.controller.foresight);
         if (log) {
             write_line(log->out(), second, request.full);
         }
     };
     const Metrics metrics = run_trial(scenario, chooser, demand, seconds, observer);
-    summary.out() << summary_of(scenario, chooser, request, seconds, fallback_s, metrics).dump(1) << "\n";
+    summary.out() << summary_of(scenario, chooser, request, seconds, fallback, metrics).dump(1) << "\n";
     if (log) {
         log->commit();
     }

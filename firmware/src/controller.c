@@ -47,13 +47,11 @@ static uint32_t waiting_movements(const elmopp_controller_t *self, const float *
     return waiting;
 }
 
-/* The account covers every kind; only a network can go astray on traffic that it was not made for. */
+/* Only a network can go astray on traffic that it was not made for; what it gives way to is the mean. */
 static bool is_distrusted(const elmopp_forecast_t *forecast) {
-    const bool network = (forecast->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
-                         (forecast->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
     const elmopp_account_error_t error = elmopp_forecast_error(forecast);
-    const bool worse = (error.forecast > error.mean) || (error.forecast > error.persistence);
-    return network && worse && (error.compared_s >= ELMOPP_CONTROLLER_ACCOUNT_MIN_S);
+    return elmopp_forecast_is_network(forecast) && (error.forecast > error.mean) &&
+           (error.compared_s >= ELMOPP_CONTROLLER_ACCOUNT_MIN_S);
 }
 
 /* The forecast's own rows. Also when they are not used: the account has to go on. */

@@ -36,7 +36,7 @@ static void update_shares(elmopp_forecast_t *self) {
     }
 }
 
-static bool is_network(const elmopp_forecast_t *self) {
+bool elmopp_forecast_is_network(const elmopp_forecast_t *self) {
     return (self->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
            (self->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
 }
@@ -53,7 +53,7 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
     ELMOPP_ASSERT(config->kind < (uint8_t)ELMOPP_FORECAST_COUNT);
     ELMOPP_ASSERT((config->kind != (uint8_t)ELMOPP_FORECAST_AR8) || (config->ar8 != NULL));
     *self = (elmopp_forecast_t){.config = *config, .junction = junction};
-    self->armed = is_network(self) && fits(config->weights, config->kind);
+    self->armed = elmopp_forecast_is_network(self) && fits(config->weights, config->kind);
     update_shares(self);
 }
 
@@ -109,7 +109,7 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
 }
 
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self) {
-    if (is_network(self)) {
+    if (elmopp_forecast_is_network(self)) {
         const elmopp_forecast_status_t armed =
             (self->seen_s < ELMOPP_FORECAST_COLD_S) ? ELMOPP_FORECAST_COLD : ELMOPP_FORECAST_READY;
         return self->armed ? armed : ELMOPP_FORECAST_UNARMED;
@@ -182,12 +182,16 @@ static void fill_by_approach(elmopp_forecast_t *self, uint32_t approach, uint32_
     }
 }
 
+static void fill_with_mean(elmopp_forecast_t *self, uint32_t steps) {
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        fill_constant(self, i, scale_of(self, i), steps);
+    }
+}
+
 static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
     if (elmopp_forecast_status(self) != ELMOPP_FORECAST_READY) {
-        for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-            fill_constant(self, i, scale_of(self, i), steps);
-        }
-    } else if (is_network(self)) {
+        fill_with_mean(self, steps);
+    } else if (elmopp_forecast_is_network(self)) {
         for (uint32_t group = 0U; group < group_count(self); group++) {
             fill_with_network(self, group, self->memory[group], steps);
         }
@@ -230,9 +234,7 @@ uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const flo
 
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
     ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
-    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-        fill_constant(self, i, scale_of(self, i), steps);
-    }
+    fill_with_mean(self, steps);
     return hand_out(self, steps, rows);
 }
 

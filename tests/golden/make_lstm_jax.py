@@ -58,6 +58,9 @@ def said_by(net: Network) -> dict[str, Any]:
 
 
 def main(arguments: list[str]) -> int:
+    if arguments not in ([], ["--check"]):
+        print(f"make_lstm_jax: unknown argument {arguments[0]!r}; right would be --check or none", file=sys.stderr)
+        return 2
     tensors, _ = read_tensors(ROOT / "weights" / "forecast.safetensors")
     made = {name: said_by(network(tensors, name)) for name in NETWORKS}
     if arguments != ["--check"]:

@@ -721,9 +721,10 @@ def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path:
     (tmp_path / "street.csv").write_text("\n".join(lines) + "\n")
     arguments = ["--trace", str(tmp_path / "street.csv"), "--profile", "saturation"]
     summary = json.loads(succeed("run", *arguments, "--chooser", "cumulative:lstm").stdout)
-    assert summary["fallback_s"] > 1200
+    assert summary["fallback_s"]["cold"] == 59
+    assert summary["fallback_s"]["distrusted"] > 1200
     plain = json.loads(succeed("run", *arguments, "--chooser", "cumulative:mean").stdout)
-    assert plain["fallback_s"] == 0
+    assert plain["fallback_s"] == {"cold": 0, "unarmed": 0, "distrusted": 0}
     assert summary["mean_delay_s"] == pytest.approx(plain["mean_delay_s"], rel=0.2)
 
 

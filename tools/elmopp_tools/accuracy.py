@@ -54,6 +54,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         tables = make_tables(measured(options.host_sim), options.weights)
         good = [update(document, tables, options.check) for document in options.documents]
+    except KeyError as error:
+        say("accuracy", f"{options.weights}: a file lacks {error}; right would be files of tools/train")
+        return EXIT_REFUSED
     except TableError as error:
         say("accuracy", str(error))
         return EXIT_REFUSED
@@ -84,9 +87,14 @@ def measured(host_sim: Path) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "accuracy.json"
         try:
-            subprocess.run([str(host_sim), "accuracy", "--json", str(file)], check=True, capture_output=True)
-        except (OSError, subprocess.CalledProcessError) as error:
-            raise TableError(f"{host_sim} accuracy: {error}; right would be the simulator of preset release") from error
+            done = subprocess.run(
+                [str(host_sim), "accuracy", "--json", str(file)], capture_output=True, text=True, check=False
+            )
+        except OSError as error:
+            raise TableError(f"{host_sim}: {error.strerror}; right would be host_sim of preset release") from error
+        if done.returncode != 0 or not file.exists():
+            said = (done.stderr.strip() or "no message").splitlines()[-1]
+            raise TableError(f"{host_sim} accuracy: {said}; right would be host_sim of preset release")
         return read_json(file)
 
 

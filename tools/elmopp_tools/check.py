@@ -188,6 +188,11 @@ def install_step() -> Step:
         ["cmake", "--install", "build/release", "--prefix", str(prefix)],
         [f"{prefix}/bin/host_sim", "list", "--json"],
         [tool("python"), f"{prefix}/share/elmopp/tools/site", "--help"],
+        [
+            tool("python"),
+            f"{prefix}/share/elmopp/tools/weights",
+            f"{prefix}/share/elmopp/weights/forecast.safetensors",
+        ],
     )
 
 

@@ -19,8 +19,14 @@ TRAJECTORY_POINTS = 10150
 # The evaluation uses small seeds (1 by default). These are never evaluated.
 TRAINING_SEED = 4_000_000_000
 VALIDATION_SEED = 4_000_000_001
+EVALUATION_SEED = 1
 
 CLAMP_WIDENING = 0.1
+
+
+class InflowError(Exception):
+    """The simulator did not give its traffic; the text is the one line that the user sees."""
+
 
 Series = npt.NDArray[np.float32]  # [trajectory, second, approach]
 
@@ -37,8 +43,14 @@ def trajectories(host_sim: Path, seed: int, count: int) -> Series:
 def _vehicles(host_sim: Path, seed: int, trial: int) -> npt.NDArray[np.float64]:
     command = [str(host_sim), "inflow", "--seed", str(seed), "--trial", str(trial)]
     command += ["--points", str(TRAJECTORY_POINTS), "--csv", "-"]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
-    return np.loadtxt(io.StringIO(done.stdout), delimiter=",", skiprows=1)[:, 1:]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    rows = done.stdout.splitlines()[1:]
+    if done.returncode != 0 or len(rows) != TRAJECTORY_POINTS:
+        said = (done.stderr.strip() or "no message").splitlines()[-1]
+        raise InflowError(
+            f"{host_sim} inflow gave {len(rows)} points: {said} ; right would be host_sim of preset release"
+        )
+    return np.loadtxt(io.StringIO("\n".join(rows)), delimiter=",")[:, 1:]
 
 
 def clamp(series: Series) -> tuple[Series, Series]:

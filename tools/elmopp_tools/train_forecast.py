@@ -111,7 +111,7 @@ def train(course: Course, series: Series, clamp: tuple[Series, Series], say: Say
     calls = course.updates // UPDATES_A_CALL
     for call in range(calls):
         key, now = jax.random.split(key)
-        # Half of the updates see the whole horizon, the first three eighths shorter ones.
+        # Five eighths of the updates see the whole horizon, the first three eighths shorter ones.
         horizon_s = HORIZONS_S[min(8 * call // calls, len(HORIZONS_S) - 1)]
         parameters, memory, error = many_updates(parameters, memory, now, horizon_s)
         if call % 10 == 9:

@@ -18,7 +18,7 @@ _TOOLS = Path(__file__).resolve().parents[1]
 _MODULES = {
     "base": ("jsonschema", "matplotlib", "numpy", "safetensors", "scipy"),
     "check": ("jsonschema", "matplotlib", "mypy", "numpy", "pytest", "safetensors", "scipy"),
-    "train": ("jax", "numpy", "optax", "safetensors"),
+    "train": ("jax", "numpy", "optax", "safetensors", "scipy"),
     "bench": ("numpy", "onnx", "onnxruntime", "safetensors"),
 }
 

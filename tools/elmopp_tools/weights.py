@@ -34,7 +34,7 @@ Examples:
   tools/weights weights/forecast.safetensors                                     check
   tools/weights weights/forecast.safetensors --c weights/elmopp_weights.c        make the C file and its header
   tools/weights weights/forecast.safetensors --c weights/elmopp_weights.c --check
-  tools/weights weights/forecast.safetensors --image-lstm lstm.elmw              for elmopp-controller --weights"""
+  tools/weights weights/forecast.safetensors --image-lstm lstm.elmw              for host_sim run --weights"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

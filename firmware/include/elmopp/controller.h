@@ -5,7 +5,7 @@
 ///
 /// Once a second elmopp_controller_step() takes real-valued counts and asks the chooser for a stage; every 100 ms
 /// elmopp_controller_lamp_tick() moves the plan and returns the lamps. Order of a second: one step, then ten lamp
-/// ticks. A network whose account of the last minutes is worse than the mean's or persistence's is not listened to
+/// ticks. A network whose account of the last minutes is worse than the mean's is not listened to
 /// until it is better again; its rows are then the mean. It counts T, the time since each movement was green, from the
 /// lamps that it returned and from nothing else.
 ///
@@ -46,7 +46,7 @@ typedef enum {
     ELMOPP_FORESIGHT_GIVEN,     ///< from outside
     ELMOPP_FORESIGHT_COLD,      ///< the mean: the forecast has seen too little
     ELMOPP_FORESIGHT_UNARMED,   ///< the mean: the network's weights cannot be used
-    ELMOPP_FORESIGHT_DISTRUSTED ///< the mean: the network has lately done worse than the mean or than persistence
+    ELMOPP_FORESIGHT_DISTRUSTED ///< the mean: the network has lately done worse than the mean
 } elmopp_foresight_t;
 
 /// State. Set up by elmopp_controller_init(); read `score`, `foreseen_sum_veh` and `foresight` for the log, write

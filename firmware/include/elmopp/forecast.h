@@ -42,6 +42,7 @@
 /// Approaches that one state of a network looks after, and how many states a junction needs at most.
 #define ELMOPP_FORECAST_GROUP_SIZE ELMOPP_LSTM_INPUTS
 #define ELMOPP_FORECAST_GROUP_MAX (ELMOPP_APPROACH_MAX / ELMOPP_FORECAST_GROUP_SIZE)
+static_assert((ELMOPP_APPROACH_MAX % ELMOPP_FORECAST_GROUP_SIZE) == 0U, "every approach is in a group");
 
 /// Which forecast, and its data. The pointers must outlive the forecast.
 typedef struct {
@@ -88,6 +89,9 @@ uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const flo
 
 /// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to.
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
+
+/// True for the kinds lstm and nlstm.
+bool elmopp_forecast_is_network(const elmopp_forecast_t *self);
 
 /// Why the rows of elmopp_forecast_look() are what they are.
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self);
