@@ -6,6 +6,7 @@
 #include "csv.hpp"
 #include "foresight.hpp"
 #include "jobs.hpp"
+#include "networks.hpp"
 #include "scenario.hpp"
 #include "trial.hpp"
 #include "whole_file.hpp"

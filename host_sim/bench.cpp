@@ -5,6 +5,7 @@
 
 #include "foresight.hpp"
 #include "jobs.hpp"
+#include "networks.hpp"
 #include "trial.hpp"
 #include "whole_file.hpp"
 

@@ -7,6 +7,7 @@
 #include "error.hpp"
 #include "jobs.hpp"
 #include "lyapunov.hpp"
+#include "networks.hpp"
 #include "output_folder.hpp"
 #include "results.hpp"
 #include "sites.hpp"

@@ -6,16 +6,9 @@
 #include "autoregression.hpp"
 #include "choosers.hpp"
 #include "error.hpp"
+#include "networks.hpp"
 #include "scenario.hpp"
 #include "trial.hpp"
-
-#include <fstream>
-#include <iterator>
-#include <system_error>
-
-extern "C" {
-#include "elmopp_weights.h"
-}
 
 namespace elmopp {
 namespace {
@@ -31,35 +24,6 @@ elmopp_stage_t write_down(void *state, const elmopp_view_t *view, float * /*scor
 }
 
 } // namespace
-
-const elmopp_weights_t *shipped_weights(const std::string &forecast) {
-    if (forecast == "lstm") {
-        return &elmopp_weights_lstm;
-    }
-    return forecast == "nlstm" ? &elmopp_weights_nlstm : nullptr;
-}
-
-elmopp_weights_t read_weights(const std::filesystem::path &file) {
-    const std::string option = "--weights " + file.string() + ": ";
-    std::error_code ignored;
-    std::ifstream stream(std::filesystem::is_regular_file(file, ignored) ? file : std::filesystem::path(),
-                         std::ios::binary);
-    if (!stream) {
-        throw BadRequest(option + "cannot be read; right would be an ELMW image made by tools/weights");
-    }
-    const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-    const std::vector<std::uint8_t> image(bytes.begin(), bytes.end());
-    elmopp_weights_t weights{};
-    const auto fault = elmopp_weights_load(image.data(), static_cast<std::uint32_t>(image.size()), &weights);
-    if (fault != ELMOPP_WEIGHTS_OK) {
-        throw BadRequest(option + elmopp_weights_fault_name(fault) + "; right would be an image made by tools/weights");
-    }
-    return weights;
-}
-
-std::string network_name(const elmopp_weights_t &weights) {
-    return weights.lstm.levels == 1 ? "lstm" : "nlstm";
-}
 
 Foresight foresee(const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps, std::size_t seconds) {
     const Scenario scenario = make_scenario(find_profile("paper"), nullptr);

@@ -13,20 +13,9 @@
 #include "core.hpp"
 #include "inflow.hpp"
 
-#include <filesystem>
-#include <string>
 #include <vector>
 
 namespace elmopp {
-
-/// Which network a forecast's name means, with the weights that are shipped; null for any other forecast.
-const elmopp_weights_t *shipped_weights(const std::string &forecast);
-
-/// Reads an ELMW image for the option `--weights`. Throws BadRequest naming what is wrong with it.
-elmopp_weights_t read_weights(const std::filesystem::path &file);
-
-/// Which forecast can use such weights: `lstm` with one level, otherwise `nlstm`.
-std::string network_name(const elmopp_weights_t &weights);
 
 /// Rows of one network on one trajectory, for one vehicle an approach in the simulated seconds.
 struct Foresight {

@@ -5,6 +5,7 @@
 
 #include "csv.hpp"
 #include "error.hpp"
+#include "networks.hpp"
 #include "results.hpp"
 #include "sites.hpp"
 #include "trial.hpp"

@@ -6,6 +6,7 @@
 #include "autoregression.hpp"
 #include "error.hpp"
 #include "jobs.hpp"
+#include "networks.hpp"
 
 #include <algorithm>
 #include <array>
