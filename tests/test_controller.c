@@ -312,6 +312,14 @@ static void test_bad_counts_let_the_maximum_greens_turn_the_stages(void) {
 }
 
 /* The chooser is next asked after the plan has changed by force: until then its old wish must not count. */
+static void test_when_blind_every_movement_on_red_waits(void) {
+    seconds(10U, 1U);
+    TEST_ASSERT_TRUE(controller.going != 0U);
+    present_veh[0] = NAN;
+    TEST_ASSERT_FALSE(elmopp_controller_step(&controller, &counts, NULL));
+    TEST_ASSERT_EQUAL_HEX32(0x00FFFFFFU & ~controller.going, controller.waiting);
+}
+
 static void test_a_forced_stage_outlives_the_wish_from_before(void) {
     for (uint32_t g = 0U; g < 3U; g++) {
         junction.group[g].amber_ds = 0U;
@@ -626,6 +634,7 @@ int main(void) {
     RUN_TEST(test_t_of_movements_that_do_not_exist_is_not_counted);
     RUN_TEST(test_demand_reaches_the_maximum_green_of_the_plan);
     RUN_TEST(test_bad_counts_let_the_maximum_greens_turn_the_stages);
+    RUN_TEST(test_when_blind_every_movement_on_red_waits);
     RUN_TEST(test_a_forced_stage_outlives_the_wish_from_before);
     RUN_TEST(test_bad_counts_are_refused_and_change_nothing);
     RUN_TEST(test_after_a_refusal_the_wish_stays_as_it_is);

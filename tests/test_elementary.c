@@ -177,6 +177,19 @@ static void test_each_is_the_same_to_the_bit_and_touches_no_neighbour(void) {
     }
 }
 
+/* 3, 5, 10: exact averages while the window of two fills, then half of each new value. */
+static void test_an_average_is_exact_until_its_window_is_full(void) {
+    float mean = 99.0F;
+    elmopp_average(&mean, 3.0F, 1U, 2U);
+    TEST_ASSERT_EQUAL_FLOAT(3.0F, mean);
+    elmopp_average(&mean, 5.0F, 2U, 2U);
+    TEST_ASSERT_EQUAL_FLOAT(4.0F, mean);
+    elmopp_average(&mean, 10.0F, 3U, 2U);
+    TEST_ASSERT_EQUAL_FLOAT(7.0F, mean);
+    elmopp_average(&mean, 7.0F, UINT32_MAX, 2U);
+    TEST_ASSERT_EQUAL_FLOAT(7.0F, mean);
+}
+
 int main(int argc, char **argv) {
     if ((argc == 2) && (strcmp(argv[1], "--all") == 0)) {
         stride = 1U;
@@ -193,6 +206,7 @@ int main(int argc, char **argv) {
     RUN_TEST(test_the_ends_are_finite_normal_and_above_zero);
     RUN_TEST(test_nan_is_taken_as_the_lower_end);
     RUN_TEST(test_it_grows_over_a_grid);
+    RUN_TEST(test_an_average_is_exact_until_its_window_is_full);
     RUN_TEST(test_tanh_is_within_the_claim_odd_and_never_above_one);
     RUN_TEST(test_sigmoid_is_within_the_claim_and_between_zero_and_one);
     RUN_TEST(test_tanh_and_sigmoid_of_zero_are_exact);

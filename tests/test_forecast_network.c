@@ -222,6 +222,11 @@ static void test_approaches_are_dealt_in_groups_of_four(void) {
     TEST_ASSERT_EQUAL_MEMORY(four, forecast.row_veh, sizeof four);
     static float fifth[HORIZON];
     (void)memcpy(fifth, rows[4], sizeof fifth);
+    float sum_veh = 0.0F;
+    for (uint32_t t = 0U; t < HORIZON; t++) {
+        sum_veh += fifth[t];
+    }
+    TEST_ASSERT_TRUE(sum_veh > 1.0F); /* rows that nobody filled would be alike, too */
 
     set_approaches(1U);
     start(ELMOPP_FORECAST_LSTM, &elmopp_weights_lstm, NULL);
@@ -313,6 +318,11 @@ static void test_falling_back_gives_the_mean_and_leaves_the_account(void) {
     look(60U);
     const elmopp_account_probe_t said = forecast.account.probe[(forecast.account.due + PROBE - 1U) % PROBE];
     TEST_ASSERT_TRUE(said.said);
+    for (uint32_t i = 0U; i < 4U; i++) {
+        TEST_ASSERT_TRUE(said.forecast_veh[i] == rows[i][PROBE - 1U]);
+        TEST_ASSERT_FALSE(rows[i][PROBE - 2U] == rows[i][PROBE - 1U]);
+        TEST_ASSERT_FALSE(rows[i][PROBE] == rows[i][PROBE - 1U]);
+    }
     TEST_ASSERT_EQUAL_UINT16(60U, elmopp_forecast_fall_back(&forecast, 60U, rows));
     for (uint32_t i = 0U; i < 4U; i++) {
         TEST_ASSERT_EQUAL_FLOAT(mean_veh_per_s[i], rows[i][0]);

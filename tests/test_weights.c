@@ -167,6 +167,13 @@ static void test_every_fault_has_a_name_of_its_own(void) {
     }
 }
 
+static void test_a_fault_that_does_not_exist_has_a_name_too(void) {
+    const elmopp_weights_fault_t beyond[2] = {ELMOPP_WEIGHTS_FAULT_COUNT, (elmopp_weights_fault_t)200};
+    for (uint32_t i = 0U; i < 2U; i++) {
+        TEST_ASSERT_EQUAL_STRING("an unknown fault", elmopp_weights_fault_name(beyond[i]));
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_shipped_weights_pass_and_come_back_byte_for_byte);
@@ -178,5 +185,6 @@ int main(void) {
     RUN_TEST(test_a_value_that_is_no_number_or_too_large_is_refused_wherever_it_is);
     RUN_TEST(test_a_clamp_must_be_a_range_of_vehicles);
     RUN_TEST(test_every_fault_has_a_name_of_its_own);
+    RUN_TEST(test_a_fault_that_does_not_exist_has_a_name_too);
     return UNITY_END();
 }
