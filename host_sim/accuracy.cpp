@@ -111,7 +111,7 @@ Sums judge_trial(const AccuracyRequest &request, const Weights &weights, std::si
         const elmopp_weights_t *network = find(weights, name);
         judge_forecast(name, network, scenario, demand, sums.squared[k]);
         const std::size_t distrusted =
-            network == nullptr ? 0 : foresee(*network, source.unit, ELMOPP_CONTROLLER_TRACE_S, seconds).distrusted_s;
+            network == nullptr ? 0 : foresee(*network, source.unit, ELMOPP_PILOT_TRACE_S, seconds).distrusted_s;
         sums.distrusted_s.push_back(static_cast<double>(distrusted));
     }
     measure_signal(demand, sums);

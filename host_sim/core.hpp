@@ -12,6 +12,7 @@ extern "C" {
 #include "elmopp/forecast.h"
 #include "elmopp/junction.h"
 #include "elmopp/lstm_f32.h"
+#include "elmopp/pilot.h"
 #include "elmopp/plan.h"
 #include "elmopp/pressure.h"
 #include "elmopp/site.h"

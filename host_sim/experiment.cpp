@@ -151,7 +151,7 @@ class Experiment {
                 const Scenario &scenario = scenarios_[cell.scenario];
                 auto &most = steps[{integrator_of(scenario), cell.chooser.forecast}];
                 const std::uint16_t asked_s = make_chooser(cell.chooser, scenario)->chooser.horizon_s;
-                most = std::max({most, asked_s, std::uint16_t{ELMOPP_CONTROLLER_TRACE_S}});
+                most = std::max({most, asked_s, std::uint16_t{ELMOPP_PILOT_TRACE_S}});
             }
         }
         for (const auto &[key, most] : steps) {

@@ -33,17 +33,17 @@ Foresight foresee(const elmopp_weights_t &weights, const Series &unit, std::uint
     const elmopp_chooser_t chooser{write_down, &foresight, steps};
     const elmopp_forecast_config_t config{forecast_kind(network_name(weights)), nullptr, demand.mean_veh_per_s.data(),
                                           &weights};
-    elmopp_controller_t controller;
-    elmopp_controller_init(&controller, &scenario.junction, &chooser, &config);
+    elmopp_pilot_t pilot;
+    elmopp_pilot_init(&pilot, &scenario.junction, &chooser, &config);
     Arrivals arrivals(scenario, demand);
-    arrivals.absorb_known(controller);
+    arrivals.absorb_known(pilot, 0);
     const std::vector<float> nobody(scenario.junction.movement_count, 0.0F);
     for (std::size_t t = 0; t < seconds; ++t) {
-        const elmopp_counts_t counts{nobody.data(), arrivals.at(demand.origin + t)};
-        if (!elmopp_controller_step(&controller, &counts, nullptr)) {
-            throw Failure("second " + std::to_string(t) + ": the controller refused the counts");
+        const elmopp_counts_t counts{nobody.data(), arrivals.at(demand.origin + t), 0U};
+        if (!elmopp_pilot_step(&pilot, &counts, nullptr)) {
+            throw Failure("second " + std::to_string(t) + ": the pilot refused the counts");
         }
-        foresight.distrusted_s += controller.foresight == ELMOPP_FORESIGHT_DISTRUSTED ? 1U : 0U;
+        foresight.distrusted_s += pilot.foresight == ELMOPP_FORESIGHT_DISTRUSTED ? 1U : 0U;
     }
     return foresight;
 }

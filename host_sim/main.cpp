@@ -226,7 +226,7 @@ RunRequest run_request(const CLI::App &command, const Texts &texts) {
     request.split = split_of(command, texts.split);
     request.mapping = mapping_of(texts.mapping);
     request.integrator = given(command, "--integrator", integrator_of(texts.integrator));
-    (void)one_of<bool>("--link", texts.link, {{"inproc", true}});
+    request.framed = has("--link") && one_of<bool>("--link", texts.link, {{"inproc", true}});
     return request;
 }
 
@@ -252,7 +252,10 @@ void add_run(CLI::App &app, Texts &texts) {
         "--summary", texts.summary, "FILE",
         "Metrics as JSON, and how often the mean stood in for the forecast and why (default: stdout, or stderr if the "
         "log is there)");
-    option("--link", texts.link, "NAME", "How core and traffic are joined: inproc")->capture_default_str();
+    option(
+        "--link", texts.link, "NAME",
+        "inproc: the whole controller through its frames, whole vehicles and start-up included (default: real-valued "
+        "vehicles, straight to forecast, chooser and plan)");
     option("--integrator", texts.integrator, "NAME", "rk4 or euler (default: the profile's)");
     add_traffic_options(command, texts);
     command->callback([command, &texts] { run_once(run_request(*command, texts)); });

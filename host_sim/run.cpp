@@ -32,29 +32,33 @@ template <typename Values> std::string list_of(const Values &values, std::size_t
     return text + "]";
 }
 
-/// One digit a signal group: 0 red, 1 red-amber, 2 green, 3 amber; groups that the site does not have show 0.
+/// One digit a signal group, in the codes of LampCommand; groups that the site does not have show 0.
 std::string aspects_of(const Second &second) {
     std::string text(aspect_digits, '0');
-    const auto &plan = second.controller.plan;
-    for (std::size_t g = 0; g < plan.junction->group_count; ++g) {
-        text[g] = static_cast<char>('0' + plan.group[g].aspect);
+    for (std::uint32_t g = 0; g < aspect_digits; ++g) {
+        text[g] = static_cast<char>('0' + elmopp_lamps_aspect(&second.lamps, g));
     }
     return text;
 }
 
 void write_line(std::ostream &out, const Second &second, bool full) {
-    const elmopp_junction_t &junction = *second.controller.junction;
+    const elmopp_pilot_t &pilot = second.control.pilot();
+    const elmopp_junction_t &junction = *pilot.junction;
     const std::size_t movements = junction.movement_count;
     out << "{\"t_s\":" << second.t_s << ",\"stage\":" << static_cast<unsigned>(second.stage) << ",\"aspects\":\""
-        << aspects_of(second) << "\",\"present\":" << list_of(second.present_veh, movements)
-        << ",\"arrived\":" << list_of(second.arrived_veh, movements)
-        << ",\"urgency\":" << list_of(second.controller.score, junction.stage_count)
-        << ",\"forecast\":" << list_of(second.controller.foreseen_sum_veh, junction.approach_count) << ",\"fault\":0";
+        << aspects_of(second) << "\",\"present\":" << list_of(second.control.present_veh(), movements)
+        << ",\"arrived\":" << list_of(second.control.arrived_veh(), movements)
+        << ",\"urgency\":" << list_of(pilot.score, junction.stage_count)
+        << ",\"forecast\":" << list_of(pilot.foreseen_sum_veh, junction.approach_count)
+        << ",\"fault\":" << static_cast<unsigned>(second.control.fault());
     if (full) {
         out << ",\"queue_veh\":" << list_of(second.traffic.queue_veh(), movements)
             << ",\"outside_veh\":" << list_of(second.traffic.outside_veh(), movements)
             << ",\"red_s\":" << list_of(second.red_s, movements)
             << ",\"out_veh\":" << list_of(second.traffic.left_veh(), movements);
+    }
+    if (full && second.control.mode() != ELMOPP_MODE_COUNT) {
+        out << ",\"mode\":" << static_cast<unsigned>(second.control.mode());
     }
     out << "}\n";
 }
@@ -158,12 +162,14 @@ void run_once(const RunRequest &request) {
     WholeFile summary("--summary", request.summary.value_or(beside_log));
     FallBacks fallback;
     const Observer observer = [&](const Second &second) {
-        fallback.count(second.controller.foresight);
+        fallback.count(second.control.pilot().foresight);
         if (log) {
             write_line(log->out(), second, request.full);
         }
     };
-    const Metrics metrics = run_trial(scenario, chooser, demand, seconds, observer);
+    const auto control =
+        request.framed ? make_framed(scenario, chooser, demand) : make_direct(scenario, chooser, demand);
+    const Metrics metrics = run_trial(scenario, *control, demand, seconds, observer);
     summary.out() << summary_of(scenario, chooser, request, seconds, fallback, metrics).dump(1) << "\n";
     if (log) {
         log->commit();

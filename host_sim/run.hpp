@@ -29,6 +29,7 @@ struct RunRequest {
     std::optional<std::filesystem::path> log;     ///< decision log, JSON lines; "-" for stdout
     bool full = false;                            ///< with queues, reds and departures
     std::optional<std::filesystem::path> summary; ///< metrics as JSON; stdout unless given
+    bool framed = false;                          ///< --link inproc: through the controller's frames
     std::vector<double> split;
     Mapping mapping = Mapping::abs;
     std::optional<Integrator> integrator;

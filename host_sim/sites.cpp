@@ -151,11 +151,17 @@ std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction
     case ELMOPP_SITE_NAME:
         return "a name is empty or has no end";
     case ELMOPP_SITE_HOLD:
-        return "the hold window is not 1 <= min <= max <= 600 s";
+        return "the hold window is not 1 <= min <= max <= 150 s";
+    case ELMOPP_SITE_START:
+        return "first stage, cameras or start-up times are out of bounds";
+    case ELMOPP_SITE_APPROACH:
+        return "approach " + first + " has more movements than its counts can carry";
+    case ELMOPP_SITE_RESCUE:
+        return "the rescue stage of movement " + first + " does not serve it";
     case ELMOPP_SITE_MOVEMENT:
         return "movement " + first + " is none: capacity, saturation flow, lanes, approach or groups";
     case ELMOPP_SITE_GROUP:
-        return "a time of group " + first + " breaks its rule";
+        return "a time of group " + first + " breaks its rule, or its lamp node or flashing is none";
     case ELMOPP_SITE_CONFLICT:
         return "groups " + pair() + " conflict one-sidedly or with themselves";
     case ELMOPP_SITE_INTERGREEN:
@@ -166,6 +172,15 @@ std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction
         return "groups " + pair() + " conflict inside a stage";
     case ELMOPP_SITE_STAGE_NOT_MAXIMAL:
         return "a further group fits into stage " + first;
+    case ELMOPP_SITE_RED_BOUND:
+        return "the bound on red of " + std::to_string(junction.red_bound_ds) + " ds cannot be kept; right would be " +
+               std::to_string(elmopp_site_red_bound_min_ds(&junction)) + " ds or more";
+    case ELMOPP_SITE_PROGRAM:
+        return "programme " + first + " has no good steps or leaves out a movement";
+    case ELMOPP_SITE_SCHEDULE:
+        return "line " + first + " of the schedule names no minute, weekday or programme";
+    case ELMOPP_SITE_SPECIAL_DAY:
+        return "special day " + first + " names no weekday";
     case ELMOPP_SITE_IMAGE_MAGIC:
         return "does not begin with ELMS";
     case ELMOPP_SITE_IMAGE_VERSION:

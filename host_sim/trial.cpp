@@ -9,7 +9,6 @@
 #include "networks.hpp"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 namespace elmopp {
@@ -105,69 +104,13 @@ class Meter {
     elmopp_stage_t last_ = ELMOPP_STAGE_NONE;
 };
 
-/// The forecast that the core makes for itself; what comes from outside is none to it.
+} // namespace
+
 elmopp_forecast_config_t forecast_of(const ChooserSpec &spec, const Demand &demand) {
     const elmopp_weights_t *weights = demand.weights != nullptr ? demand.weights : shipped_weights(spec.forecast);
     return {demand.foresight != nullptr ? forecast_kind("none") : forecast_kind(spec.forecast), demand.ar8.data(),
             demand.mean_veh_per_s.empty() ? nullptr : demand.mean_veh_per_s.data(), weights};
 }
-
-/// The controller with its counts.
-class Control {
-  public:
-    Control(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
-        : scenario_(scenario), demand_(demand), oracle_(spec.forecast == "oracle"),
-          plugged_(make_chooser(spec, scenario)), present_veh(scenario.capacity_veh.size()),
-          arrived_veh(scenario.capacity_veh.size()) {
-        const elmopp_forecast_config_t config = forecast_of(spec, demand);
-        elmopp_controller_init(&controller, &scenario.junction, &plugged_->chooser, &config);
-        Arrivals(scenario, demand).absorb_known(controller);
-    }
-
-    void decide(const Traffic &traffic, std::size_t t_s) {
-        for (std::size_t j = 0; j < present_veh.size(); ++j) {
-            present_veh[j] = static_cast<float>(traffic.queue_veh()[j]);
-            arrived_veh[j] = static_cast<float>(traffic.arrived_veh()[j]);
-        }
-        const elmopp_counts_t counts{present_veh.data(), arrived_veh.data()};
-        const bool given = oracle_ || demand_.foresight != nullptr;
-        const elmopp_foreseen_t foreseen = given ? rows_from_outside(t_s) : elmopp_foreseen_t{};
-        if (!elmopp_controller_step(&controller, &counts, given ? &foreseen : nullptr)) {
-            throw Failure("second " + std::to_string(t_s) + ": the controller refused the counts");
-        }
-    }
-
-  private:
-    elmopp_foreseen_t rows_from_outside(std::size_t t_s) {
-        elmopp_foreseen_t foreseen{};
-        foreseen.steps = oracle_ ? std::uint16_t{ELMOPP_HORIZON_MAX} : demand_.foresight->steps;
-        for (std::size_t i = 0; i < scenario_.junction.approach_count; ++i) {
-            if (oracle_) {
-                foreseen.row_veh[i] = &demand_.future_veh[i][t_s];
-                continue;
-            }
-            const float *unit = demand_.foresight->row(t_s, i);
-            const auto scale = static_cast<float>(demand_.vehicles_per_approach);
-            std::transform(unit, unit + foreseen.steps, scaled_veh_[i].begin(),
-                           [scale](float value) { return value * scale; });
-            foreseen.row_veh[i] = scaled_veh_[i].data();
-        }
-        return foreseen;
-    }
-
-    const Scenario &scenario_;
-    const Demand &demand_;
-    bool oracle_;
-    std::unique_ptr<Plugged> plugged_;
-    std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> scaled_veh_{};
-
-  public:
-    elmopp_controller_t controller{};
-    std::vector<float> present_veh;
-    std::vector<float> arrived_veh;
-};
-
-} // namespace
 
 Arrivals::Arrivals(const Scenario &scenario, const Demand &demand)
     : scenario_(scenario), demand_(demand), arrived_veh_(scenario.junction.movement_count) {}
@@ -180,10 +123,11 @@ const float *Arrivals::at(std::size_t point) {
     return arrived_veh_.data();
 }
 
-void Arrivals::absorb_known(elmopp_controller_t &controller) {
-    const std::size_t known = std::min<std::size_t>(demand_.origin, ELMOPP_FORECAST_MEAN_WINDOW_S);
-    for (std::size_t point = demand_.origin - known; point < demand_.origin; ++point) {
-        elmopp_controller_absorb(&controller, at(point));
+void Arrivals::absorb_known(elmopp_pilot_t &pilot, std::size_t until_s) {
+    const std::size_t end = demand_.origin - std::min(demand_.origin, until_s);
+    const std::size_t known = std::min<std::size_t>(end, ELMOPP_FORECAST_MEAN_WINDOW_S);
+    for (std::size_t point = end - known; point < end; ++point) {
+        elmopp_pilot_absorb(&pilot, at(point));
     }
 }
 
@@ -218,8 +162,13 @@ Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t
 
 Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const Demand &demand, std::size_t seconds,
                   const Observer &observer) {
+    const auto control = make_direct(scenario, chooser, demand);
+    return run_trial(scenario, *control, demand, seconds, observer);
+}
+
+Metrics run_trial(const Scenario &scenario, Control &control, const Demand &demand, std::size_t seconds,
+                  const Observer &observer) {
     Traffic traffic(scenario);
-    Control control(scenario, chooser, demand);
     Signals signals(scenario.junction);
     Meter meter;
     std::vector<double> inflow(scenario.junction.approach_count);
@@ -231,20 +180,19 @@ Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const De
             inflow[i] = demand.veh_per_s[i][demand.origin + t];
         }
         traffic.arrive(inflow);
-        control.decide(traffic, t);
+        control.count(traffic, t);
         signals.begin_second();
         elmopp_lamps_t lamps{};
         for (unsigned tick = 0; tick < ELMOPP_LAMP_TICKS_PER_S; ++tick) {
-            lamps = elmopp_controller_lamp_tick(&control.controller);
+            lamps = control.lamp_tick();
             signals.show(lamps);
         }
         signals.end_second(flowing, red_s);
         traffic.leave(flowing);
         traffic.check_conservation();
-        meter.second(traffic, red_s, control.controller.plan.stage);
+        meter.second(traffic, red_s, control.pilot().plan.stage);
         if (observer) {
-            observer({t, control.controller.plan.stage, lamps, control.present_veh, control.arrived_veh,
-                      control.controller, traffic, red_s});
+            observer({t, control.pilot().plan.stage, lamps, control, traffic, red_s});
         }
     }
     return meter.result(traffic, seconds);

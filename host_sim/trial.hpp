@@ -9,6 +9,7 @@
 #pragma once
 
 #include "choosers.hpp"
+#include "control.hpp"
 #include "foresight.hpp"
 #include "inflow.hpp"
 #include "scenario.hpp"
@@ -51,8 +52,8 @@ class Arrivals {
     Arrivals(const Scenario &scenario, const Demand &demand);
     /// [movement] vehicles of the second at this point of the series; valid until the next call.
     const float *at(std::size_t point);
-    /// Shows a controller what is known before second 0, at most the last 15 minutes.
-    void absorb_known(elmopp_controller_t &controller);
+    /// Shows a pilot what is known before second -until_s, at most the last 15 minutes.
+    void absorb_known(elmopp_pilot_t &pilot, std::size_t until_s);
 
   private:
     const Scenario &scenario_;
@@ -63,6 +64,9 @@ class Arrivals {
 /// Scales a unit series to so many vehicles an approach and prepares the oracle's rows for `seconds`.
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds);
+
+/// The forecast that the core makes for itself; what comes from outside is none to it.
+elmopp_forecast_config_t forecast_of(const ChooserSpec &spec, const Demand &demand);
 
 /// Metrics of docs/algorithm.md, 1.5.
 struct Metrics {
@@ -83,9 +87,7 @@ struct Second {
     std::size_t t_s;
     elmopp_stage_t stage; ///< shown at the end of the second
     const elmopp_lamps_t &lamps;
-    const std::vector<float> &present_veh; ///< [movement], as the core saw them
-    const std::vector<float> &arrived_veh;
-    const elmopp_controller_t &controller;
+    const Control &control;
     const Traffic &traffic;
     const std::vector<double> &red_s; ///< [movement]
 };
@@ -94,6 +96,10 @@ using Observer = std::function<void(const Second &)>;
 
 /// Runs it. `observer` may be empty. Throws Failure if a vehicle is lost.
 Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const Demand &demand, std::size_t seconds,
+                  const Observer &observer);
+
+/// The same with a controller that the caller has made; it is left as second `seconds` found it.
+Metrics run_trial(const Scenario &scenario, Control &control, const Demand &demand, std::size_t seconds,
                   const Observer &observer);
 
 } // namespace elmopp

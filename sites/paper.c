@@ -18,6 +18,17 @@ const elmopp_junction_t elmopp_site_paper = {
     .forecast = ELMOPP_FORECAST_NONE,
     .hold_min_s = 10U,
     .hold_max_s = 60U,
+    .red_bound_ds = 0U,
+    .start_flash_ds = 0U,
+    .start_red_ds = 0U,
+    .first_stage = 0U,
+    .cameras = 0x0FU,
+    .no_activity_min = 0U,
+    .max_presence_min = 0U,
+    .erratic_per_min = 0U,
+    .program_count = 0U,
+    .schedule_count = 0U,
+    .special_day_count = 0U,
     .reach_m = 1000.0F,
     .free_flow_m_per_s = 10.0F,
     .approach_name = {
@@ -41,18 +52,18 @@ const elmopp_junction_t elmopp_site_paper = {
         [11] = { .name = "W.R", .capacity_veh = 333.333344F, .saturation_veh_per_s = 0.5F, .startup_ds = 15U, .groups = 0x0800U, .approach = 3U, .lanes = 1U },
     },
     .group = {
-        [0] = { .name = "N.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [1] = { .name = "N.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [2] = { .name = "N.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [3] = { .name = "E.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [4] = { .name = "E.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [5] = { .name = "E.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [6] = { .name = "S.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [7] = { .name = "S.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [8] = { .name = "S.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [9] = { .name = "W.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [10] = { .name = "W.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
-        [11] = { .name = "W.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U },
+        [0] = { .name = "N.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [1] = { .name = "N.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [2] = { .name = "N.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [3] = { .name = "E.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [4] = { .name = "E.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [5] = { .name = "E.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [6] = { .name = "S.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [7] = { .name = "S.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [8] = { .name = "S.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [9] = { .name = "W.L", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [10] = { .name = "W.M", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
+        [11] = { .name = "W.R", .amber_ds = 0U, .red_amber_ds = 0U, .min_green_ds = 10U, .max_green_ds = 0U, .node = 0U, .flash = ELMOPP_FLASH_AMBER },
     },
     .conflict = {
         [0] = 0x0FB8U, /* N.L: E.L E.M E.R S.M S.R W.L W.M W.R */
@@ -92,5 +103,19 @@ const elmopp_junction_t elmopp_site_paper = {
         [9] = { [0] = 0U, [1] = 0U, [2] = 0U, [4] = 0U, [5] = 0U, [6] = 0U, [7] = 0U, [8] = 0U }, /* W.L ends */
         [10] = { [0] = 0U, [1] = 0U, [2] = 0U, [3] = 0U, [6] = 0U, [7] = 0U, [8] = 0U }, /* W.M ends */
         [11] = { [0] = 0U, [1] = 0U, [2] = 0U, [3] = 0U, [6] = 0U, [7] = 0U, [8] = 0U }, /* W.R ends */
+    },
+    .rescue_stage = {
+        [0] = 0U, /* N.L */
+        [1] = 1U, /* N.M */
+        [2] = 1U, /* N.R */
+        [3] = 2U, /* E.L */
+        [4] = 3U, /* E.M */
+        [5] = 3U, /* E.R */
+        [6] = 0U, /* S.L */
+        [7] = 1U, /* S.M */
+        [8] = 1U, /* S.R */
+        [9] = 2U, /* W.L */
+        [10] = 3U, /* W.M */
+        [11] = 3U, /* W.R */
     },
 };

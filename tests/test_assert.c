@@ -4,10 +4,9 @@
 /// Every promise that only a bug can break ends in elmopp_assert_failed().
 
 #include "assert_catcher.h"
-#include "elmopp/controller.h"
+#include "elmopp/pilot.h"
 #include "elmopp/pressure.h"
 #include "elmopp/urgency.h"
-#include "plan_tick.h"
 #include "sites.h"
 #include "unity.h"
 #include "view.h"
@@ -18,10 +17,10 @@ static elmopp_junction_t junction;
 static elmopp_forecast_t forecast;
 static elmopp_urgency_t urgency;
 static elmopp_plan_t plan;
-static elmopp_controller_t controller;
+static elmopp_pilot_t pilot;
 static elmopp_stage_t answer;
 static const float nothing_veh[ELMOPP_MOVEMENT_MAX];
-static const elmopp_counts_t empty_road = {nothing_veh, nothing_veh};
+static const elmopp_counts_t empty_road = {nothing_veh, nothing_veh, 0U};
 
 static elmopp_stage_t choose_answer(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     (void)state;
@@ -125,69 +124,59 @@ static void test_pressure_asserts_its_window_and_ratio(void) {
     TEST_EXPECT_ASSERT(start_pressure(0.999F, 5U, 120U));
 }
 
-static void test_plan_asserts_the_wish(void) {
-    elmopp_plan_init(&plan, &junction);
-    (void)plan_tick(&plan, ELMOPP_STAGE_NONE, 0U);
-    (void)plan_tick(&plan, 3U, 0U);
-    TEST_EXPECT_ASSERT((void)plan_tick(&plan, 4U, 0U));
-    TEST_EXPECT_ASSERT((void)plan_tick(&plan, 255U, 0U));
-}
-
-static void start_controller(const elmopp_chooser_t *chooser) {
-    elmopp_controller_init(&controller, &junction, chooser, &no_forecast);
+static void start_pilot(const elmopp_chooser_t *chooser) {
+    elmopp_pilot_init(&pilot, &junction, chooser, &no_forecast);
 }
 
 static void expect_count_asserted(uint8_t *count, uint8_t wrong) {
     junction = test_cross(4U);
-    start_controller(&scripted);
+    start_pilot(&scripted);
     *count = wrong;
-    TEST_EXPECT_ASSERT(start_controller(&scripted));
+    TEST_EXPECT_ASSERT(start_pilot(&scripted));
 }
 
-static void test_controller_asserts_the_upper_bounds_of_the_counts(void) {
+static void test_pilot_asserts_the_upper_bounds_of_the_counts(void) {
     expect_count_asserted(&junction.approach_count, ELMOPP_APPROACH_MAX + 1U);
     expect_count_asserted(&junction.movement_count, ELMOPP_MOVEMENT_MAX + 1U);
     expect_count_asserted(&junction.group_count, ELMOPP_GROUP_MAX + 1U);
     expect_count_asserted(&junction.stage_count, ELMOPP_STAGE_MAX + 1U);
 }
 
-static void test_controller_asserts_that_nothing_counts_zero(void) {
+static void test_pilot_asserts_that_nothing_counts_zero(void) {
     expect_count_asserted(&junction.approach_count, 0U);
     expect_count_asserted(&junction.movement_count, 0U);
     expect_count_asserted(&junction.group_count, 0U);
     expect_count_asserted(&junction.stage_count, 0U);
 }
 
-static void test_controller_asserts_the_chooser(void) {
+static void test_pilot_asserts_the_chooser(void) {
     elmopp_chooser_t chooser = scripted;
     chooser.horizon_s = ELMOPP_HORIZON_MAX;
-    start_controller(&chooser);
+    start_pilot(&chooser);
     chooser.horizon_s = ELMOPP_HORIZON_MAX + 1U;
-    TEST_EXPECT_ASSERT(start_controller(&chooser));
+    TEST_EXPECT_ASSERT(start_pilot(&chooser));
     chooser.horizon_s = 0U;
     chooser.choose = NULL;
-    TEST_EXPECT_ASSERT(start_controller(&chooser));
+    TEST_EXPECT_ASSERT(start_pilot(&chooser));
 }
 
-static void test_controller_asserts_the_steps_of_an_oracle(void) {
+static void test_pilot_asserts_the_steps_of_an_oracle(void) {
     static const float row_veh[ELMOPP_HORIZON_MAX + 1U];
     elmopp_foreseen_t oracle = {.row_veh = {row_veh, row_veh, row_veh, row_veh}, .steps = ELMOPP_HORIZON_MAX};
-    start_controller(&scripted);
-    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &empty_road, &oracle));
+    start_pilot(&scripted);
+    TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &empty_road, &oracle));
     oracle.steps = ELMOPP_HORIZON_MAX + 1U;
-    TEST_EXPECT_ASSERT((void)elmopp_controller_step(&controller, &empty_road, &oracle));
+    TEST_EXPECT_ASSERT((void)elmopp_pilot_step(&pilot, &empty_road, &oracle));
 }
 
-static void test_controller_asserts_the_choosers_answer(void) {
-    start_controller(&scripted);
-    answer = 3U;
-    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &empty_road, NULL));
-    start_controller(&scripted);
-    answer = 4U;
-    TEST_EXPECT_ASSERT((void)elmopp_controller_step(&controller, &empty_road, NULL));
-    answer = ELMOPP_STAGE_NONE;
-    start_controller(&scripted);
-    TEST_EXPECT_ASSERT((void)elmopp_controller_step(&controller, &empty_road, NULL));
+static void test_plan_asserts_the_wish(void) {
+    elmopp_plan_init(&plan, &junction);
+    (void)elmopp_plan_step(&plan, 3U, 0U);
+    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 0U);
+    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_RED, 0U);
+    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 4U, 0U));
+    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 61U, 0U));
+    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 64U, 0U));
 }
 
 int main(void) {
@@ -202,11 +191,10 @@ int main(void) {
     RUN_TEST(test_forecast_asserts_the_steps);
     RUN_TEST(test_urgency_asserts_its_window_and_hysteresis);
     RUN_TEST(test_pressure_asserts_its_window_and_ratio);
+    RUN_TEST(test_pilot_asserts_the_upper_bounds_of_the_counts);
+    RUN_TEST(test_pilot_asserts_that_nothing_counts_zero);
+    RUN_TEST(test_pilot_asserts_the_chooser);
+    RUN_TEST(test_pilot_asserts_the_steps_of_an_oracle);
     RUN_TEST(test_plan_asserts_the_wish);
-    RUN_TEST(test_controller_asserts_the_upper_bounds_of_the_counts);
-    RUN_TEST(test_controller_asserts_that_nothing_counts_zero);
-    RUN_TEST(test_controller_asserts_the_chooser);
-    RUN_TEST(test_controller_asserts_the_steps_of_an_oracle);
-    RUN_TEST(test_controller_asserts_the_choosers_answer);
     return UNITY_END();
 }

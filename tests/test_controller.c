@@ -1,660 +1,482 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// The controller with a scripted chooser. A second is one step and then ten lamp ticks.
+/// The controller on a bench: modes, faults, commands, clock. Everything it shows is also judged by the bench's own
+/// eyes.
 
-#include "elmopp/controller.h"
-#include "elmopp/urgency.h"
-#include "elmopp_weights.h"
-#include "sites.h"
+#include "assert_catcher.h"
+#include "bench.h"
+#include "elmopp_can.h"
 #include "unity.h"
 
-#include <math.h>
-#include <stddef.h>
 #include <string.h>
 
-#define MOVEMENTS 3U
-#define APPROACHES 2U
-#define SATURATION_S 6600U ///< seconds after which a T of tenths is saturated
+#define GROUPS 4U
+#define START_LIMIT 400U
 
-/* What the chooser saw in its last call, and what it shall answer. */
-typedef struct {
-    elmopp_stage_t answer;
-    uint32_t calls;
-    elmopp_view_t view;
-    uint16_t red_ds[ELMOPP_MOVEMENT_MAX];
-    float share[ELMOPP_MOVEMENT_MAX];
-    float first_veh[ELMOPP_APPROACH_MAX]; ///< first step of each row
-    float last_veh[ELMOPP_APPROACH_MAX];  ///< last step of each row
-} script_t;
-
-/* Three groups in conflict. Movement 0 and 2 come from approach 0, movement 1 from approach 1. */
-static elmopp_junction_t junction;
-static elmopp_controller_t controller;
-static elmopp_lamps_t lamps;
-static script_t script;
-static float present_veh[ELMOPP_MOVEMENT_MAX];
-static float arrived_veh[ELMOPP_MOVEMENT_MAX];
-static const elmopp_counts_t counts = {present_veh, arrived_veh};
-
-static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
-    script_t *self = state;
-    self->calls++;
-    self->view = *view;
-    for (uint32_t j = 0U; j < view->junction->movement_count; j++) {
-        self->red_ds[j] = view->red_ds[j];
-        self->share[j] = view->share[j];
-    }
-    for (uint32_t i = 0U; (i < ELMOPP_APPROACH_MAX) && (view->foreseen_steps > 0U); i++) {
-        const float *row_veh = view->foreseen_veh[i];
-        self->first_veh[i] = (row_veh != NULL) ? row_veh[0] : -1.0F;
-        self->last_veh[i] = (row_veh != NULL) ? row_veh[view->foreseen_steps - 1U] : -1.0F;
-    }
-    for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
-        score[s] = (float)(100U + s);
-    }
-    return self->answer;
-}
-
-static void start(uint16_t horizon_s, const elmopp_forecast_config_t *forecast) {
-    const elmopp_chooser_t chooser = {.choose = choose, .state = &script, .horizon_s = horizon_s};
-    (void)memset(&controller, 0xA5, sizeof controller);
-    elmopp_controller_init(&controller, &junction, &chooser, forecast);
-}
-
-static void start_with(uint8_t kind, uint16_t horizon_s) {
-    const elmopp_forecast_config_t config = {.kind = kind};
-    start(horizon_s, &config);
-}
+static bench_t bench;
 
 void setUp(void) {
-    junction = test_cross(MOVEMENTS);
-    junction.approach_count = APPROACHES;
-    junction.movement[2].approach = 0U;
-    script = (script_t){.answer = 0U};
-    (void)memset(present_veh, 0, sizeof present_veh);
-    (void)memset(arrived_veh, 0, sizeof arrived_veh);
-    start_with(ELMOPP_FORECAST_NONE, 0U);
+    const elmopp_junction_t junction = bench_cross(GROUPS);
+    bench_start(&bench, &junction);
 }
-void tearDown(void) {}
+void tearDown(void) {
+    bench_expect_good_street(&bench);
+}
 
-static void lamp_ticks(uint32_t ticks) {
-    for (uint32_t i = 0U; i < ticks; i++) {
-        lamps = elmopp_controller_lamp_tick(&controller);
+static void expect_mode(elmopp_mode_t mode, uint32_t limit) {
+    TEST_ASSERT_TRUE_MESSAGE(bench_until(&bench, mode, limit), "the mode does not come");
+}
+
+static void start(void) {
+    bench_fill(&bench);
+    expect_mode(ELMOPP_MODE_AUTOMATIC, START_LIMIT);
+}
+
+static void expect_fault(elmopp_fault_t fault, uint32_t group) {
+    TEST_ASSERT_EQUAL_STRING(elmopp_fault_name(fault), elmopp_fault_name(bench.controller.fault));
+    TEST_ASSERT_EQUAL_UINT8(group, bench.controller.fault_group);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FAIL_SAFE, bench.controller.mode);
+    TEST_ASSERT_EQUAL_HEX16(0x000FU, bench.shown.amber);
+    TEST_ASSERT_EQUAL_HEX16(0x000FU, bench.shown.flash);
+    TEST_ASSERT_EQUAL_HEX16(0U, bench.shown.green | bench.shown.red);
+    TEST_ASSERT_EQUAL_INT(fault, bench.status.fault);
+    TEST_ASSERT_EQUAL_UINT8(group, bench.status.fault_group);
+}
+
+/* --- the start --- */
+
+static void test_a_start_flashes_then_shows_red_then_its_first_stage(void) {
+    bench.junction.first_stage = 2U;
+    bench_start(&bench, &bench.junction);
+    bench_fill(&bench);
+    expect_mode(ELMOPP_MODE_START_FLASH, 12U);
+    TEST_ASSERT_EQUAL_HEX16(0x000FU, bench.shown.flash);
+    bench_ticks(&bench, 19U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_START_FLASH, bench.controller.mode);
+    bench_ticks(&bench, 1U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_START_RED, bench.controller.mode);
+    TEST_ASSERT_EQUAL_HEX16(0x000FU, bench.shown.red);
+    bench_ticks(&bench, 10U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FIRST_STAGE, bench.controller.mode);
+    expect_mode(ELMOPP_MODE_AUTOMATIC, 60U);
+    TEST_ASSERT_EQUAL_HEX16(0x0004U, bench.shown.green);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, bench.status.mode);
+}
+
+static void test_without_lamps_that_read_back_there_is_no_start(void) {
+    bench.nodes_silent = 0x01U;
+    bench_ticks(&bench, ELMOPP_CONTROLLER_SELF_TEST_DS - 2U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_STARTING, bench.controller.mode);
+    bench_ticks(&bench, 3U);
+    expect_fault(ELMOPP_FAULT_SELF_TEST, 0U);
+}
+
+static void test_a_lamp_that_burns_by_itself_fails_the_self_test(void) {
+    bench.stuck_on.green = 0x0002U;
+    bench_ticks(&bench, ELMOPP_CONTROLLER_SELF_TEST_DS + 2U);
+    expect_fault(ELMOPP_FAULT_SELF_TEST, 0U);
+}
+
+static void test_a_node_that_is_late_to_wake_up_is_waited_for(void) {
+    bench.nodes_silent = 0x01U;
+    bench_ticks(&bench, 200U);
+    bench.nodes_silent = 0U;
+    start();
+}
+
+static void test_what_the_port_finds_at_the_start_is_a_fault(void) {
+    elmopp_controller_report(&bench.controller, ELMOPP_FAULT_MEMORY);
+    bench_ticks(&bench, 1U);
+    expect_fault(ELMOPP_FAULT_MEMORY, 0U);
+}
+
+static void test_a_site_that_is_none_is_refused_before_any_lamp_burns(void) {
+    static bench_t broken;
+    broken = bench;
+    broken.junction.intergreen_ds[0][1] = 10U;
+    const elmopp_controller_config_t config = {.junction = &broken.junction, .chooser = bench.chooser};
+    TEST_EXPECT_ASSERT(elmopp_controller_init(&broken.controller, &config));
+}
+
+static void test_a_power_cut_in_any_mode_begins_at_starting(void) {
+    for (uint32_t cut = 1U; cut < 600U; cut += 7U) {
+        setUp();
+        bench_fill(&bench);
+        bench_ticks(&bench, cut);
+        bench_power_cut(&bench);
+        TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_STARTING, bench.controller.mode);
+        bench_ticks(&bench, 1U);
+        TEST_ASSERT_EQUAL_HEX16(0U, bench.shown.green);
+        expect_mode(ELMOPP_MODE_AUTOMATIC, START_LIMIT);
+        bench_expect_good_street(&bench);
     }
 }
 
-static void step(void) {
-    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &counts, NULL));
+/* --- cameras --- */
+
+static void test_a_blind_camera_puts_its_movement_on_recall_and_back(void) {
+    start();
+    bench.present_veh[1] = 0U;
+    bench.cameras_blind = 0x02U;
+    bench_ticks(&bench, 30U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, bench.controller.mode);
+    TEST_ASSERT_EQUAL_HEX32(0x0DU, bench.controller.detector.trusted);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, bench.controller.present_veh[1]);
+    bench.cameras_blind = 0U;
+    bench_ticks(&bench, 60U);
+    TEST_ASSERT_EQUAL_HEX32(0x0FU, bench.controller.detector.trusted);
 }
 
-static void seconds(uint32_t count, elmopp_stage_t wanted) {
-    for (uint32_t i = 0U; i < count; i++) {
-        script.answer = wanted;
-        step();
-        lamp_ticks(ELMOPP_LAMP_TICKS_PER_S);
+static void test_without_any_camera_the_programme_runs_and_without_faults_automatic_comes_back(void) {
+    start();
+    bench.answer = 0U; /* the chooser would stay */
+    bench.cameras_silent = 0x0FU;
+    expect_mode(ELMOPP_MODE_FIXED_TIME, 50U);
+    uint32_t shown = 0U;
+    for (uint32_t i = 0U; i < 1200U; i++) {
+        bench_tick(&bench);
+        shown |= bench.shown.green;
     }
+    TEST_ASSERT_EQUAL_HEX32(0x0FU, shown);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FIXED_TIME, bench.status.mode);
+    bench.cameras_silent = 0U;
+    expect_mode(ELMOPP_MODE_AUTOMATIC, 100U);
 }
 
-/* --- the wish --- */
-
-static void test_the_wish_goes_to_the_plan_and_the_lamps_come_back(void) {
-    seconds(1U, 1U);
-    TEST_ASSERT_EQUAL_HEX16(0x0007U, lamps.red);
-    TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.amber);
-    lamp_ticks(1U);
-    TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.green);
-    TEST_ASSERT_EQUAL_HEX16(0x0005U, lamps.red);
-}
-
-static void test_without_a_decision_all_lamps_are_red(void) {
-    lamp_ticks(100U);
-    TEST_ASSERT_EQUAL_HEX16(0x0007U, lamps.red);
-    TEST_ASSERT_EQUAL_HEX16(0U, lamps.amber);
-    TEST_ASSERT_EQUAL_HEX16(0U, lamps.green);
-    TEST_ASSERT_EQUAL_UINT32(0U, script.calls);
-}
-
-static void test_the_chooser_is_asked_every_second_also_in_the_intergreen(void) {
-    seconds(10U, 0U);
-    seconds(3U, 1U);
-    TEST_ASSERT_EQUAL_UINT32(13U, script.calls);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, script.view.stage);
-    TEST_ASSERT_EQUAL_UINT8(1U, script.view.target);
-}
-
-/* chooser.h: "also in the intergreen; what it returns there is not used". */
-static void test_an_answer_in_the_intergreen_is_not_used(void) {
-    seconds(10U, 0U);
-    seconds(1U, 1U);
-    seconds(5U, 2U);
-    TEST_ASSERT_EQUAL_UINT8_MESSAGE(1U, controller.plan.target, "stage 1 is up for 5 ticks and nobody was asked since");
-    seconds(1U, 1U);
-    TEST_ASSERT_EQUAL_UINT8(1U, controller.plan.stage);
-    TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.green);
-}
-
-static void test_the_view_before_the_first_decision_names_no_stage(void) {
-    step();
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, script.view.stage);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, script.view.target);
-    TEST_ASSERT_EQUAL_UINT16(0U, script.view.elapsed_ds);
-    TEST_ASSERT_EQUAL_HEX32(0U, script.view.going);
-    for (uint32_t j = 0U; j < MOVEMENTS; j++) {
-        TEST_ASSERT_EQUAL_UINT16(0U, script.red_ds[j]);
-    }
-}
-
-static void test_the_view_holds_what_was_counted(void) {
-    step();
-    TEST_ASSERT_EQUAL_PTR(&junction, script.view.junction);
-    TEST_ASSERT_EQUAL_PTR(present_veh, script.view.queue_veh);
-    TEST_ASSERT_EQUAL_PTR(arrived_veh, script.view.arrivals_veh);
-    TEST_ASSERT_EQUAL_FLOAT(0.5F, script.share[0]);
-    TEST_ASSERT_EQUAL_FLOAT(1.0F, script.share[1]);
-}
-
-/* Red-amber takes the first second, so after n seconds the stage has been up for n - 1. */
-static void test_elapsed_grows_by_10_a_second(void) {
-    seconds(1U, 0U);
-    for (uint32_t n = 1U; n < 20U; n++) {
-        seconds(1U, 0U);
-        step();
-        TEST_ASSERT_EQUAL_UINT16(10U * n, script.view.elapsed_ds);
-        TEST_ASSERT_EQUAL_UINT8(0U, script.view.stage);
-    }
-}
-
-static void test_scores_are_kept_for_the_log(void) {
-    step();
-    TEST_ASSERT_EQUAL_FLOAT(100.0F, controller.score[0]);
-    TEST_ASSERT_EQUAL_FLOAT(131.0F, controller.score[31]);
-}
-
-/* --- T and going --- */
-
-static void test_going_is_the_mask_of_the_movements_that_are_green(void) {
-    junction.movement[2].groups = 0x0001U;
-    seconds(10U, 0U);
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0x0005U, script.view.going);
-    seconds(3U, 1U);
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0U, script.view.going);
-    seconds(4U, 1U);
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0x0002U, script.view.going);
-}
-
-static void test_t_grows_by_10_a_second_on_red_and_is_0_on_green(void) {
-    seconds(2U, 0U);
-    for (uint32_t n = 2U; n < 50U; n++) {
-        step();
-        TEST_ASSERT_EQUAL_UINT16(0U, script.red_ds[0]);
-        TEST_ASSERT_EQUAL_UINT16(10U * n, script.red_ds[1]);
-        lamp_ticks(ELMOPP_LAMP_TICKS_PER_S);
-    }
-}
-
-/* Amber is not green: T counts from the end of green, and red-amber does not end it. */
-static void test_t_starts_with_amber_and_ends_with_green(void) {
-    seconds(10U, 0U);
-    script.answer = 1U;
-    step();
-    lamp_ticks(1U);
-    TEST_ASSERT_EQUAL_HEX16(0x0001U, lamps.amber);
-    TEST_ASSERT_EQUAL_UINT16(1U, controller.red_ds[0]);
-    lamp_ticks(CROSS_INTERGREEN_DS - 1U);
-    TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.amber);
-    TEST_ASSERT_EQUAL_UINT16(CROSS_INTERGREEN_DS, controller.red_ds[0]);
-    TEST_ASSERT_EQUAL_UINT16(100U + CROSS_INTERGREEN_DS, controller.red_ds[1]);
-    lamp_ticks(1U);
-    TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.green);
-    TEST_ASSERT_EQUAL_UINT16(0U, controller.red_ds[1]);
-    TEST_ASSERT_EQUAL_UINT16(CROSS_INTERGREEN_DS + 1U, controller.red_ds[0]);
-}
-
-static void test_t_of_a_movement_with_two_groups_needs_both_green(void) {
-    junction.movement[2].groups = 0x0006U;
-    seconds(10U, 1U);
-    TEST_ASSERT_EQUAL_UINT16(0U, controller.red_ds[1]);
-    TEST_ASSERT_EQUAL_UINT16(100U, controller.red_ds[2]);
-}
-
-static void test_t_saturates(void) {
-    seconds(SATURATION_S, 0U);
-    TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, controller.red_ds[1]);
-    TEST_ASSERT_EQUAL_UINT16(0U, controller.red_ds[0]);
-}
-
-/* chooser.h: T is 0 before the first decision. Here the first counts are refused, and the lamps go on. */
-static void test_t_is_0_until_the_first_decision(void) {
-    present_veh[0] = NAN;
-    TEST_ASSERT_FALSE(elmopp_controller_step(&controller, &counts, NULL));
-    lamp_ticks(ELMOPP_LAMP_TICKS_PER_S);
-    present_veh[0] = 0.0F;
-    step();
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, script.view.target);
-    TEST_ASSERT_EQUAL_UINT16(0U, script.red_ds[0]);
-}
-
-/* --- demand --- */
-
-static void test_demand_needs_a_whole_vehicle_on_red(void) {
-    present_veh[1] = 0.999F;
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0U, controller.waiting);
-    present_veh[1] = ELMOPP_CONTROLLER_DEMAND_VEH;
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0x0002U, controller.waiting);
-    present_veh[0] = 3.0F;
-    present_veh[1] = 0.0F;
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0x0001U, controller.waiting);
-}
-
-static void test_vehicles_on_green_demand_nothing(void) {
-    present_veh[0] = 5.0F;
-    present_veh[1] = 5.0F;
-    seconds(5U, 0U);
-    TEST_ASSERT_EQUAL_HEX32(0x0002U, controller.waiting);
-}
-
-static void test_demand_names_the_movement_and_not_its_groups(void) {
-    junction.movement[2].groups = 0x0006U;
-    present_veh[2] = 1.0F;
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0x0004U, controller.waiting);
-}
-
-/* Stage 0 is up after 1 s; a vehicle waits from the third second on; the maximum is 20 s. */
-static void test_demand_is_that_of_all_movements_that_exist(void) {
-    present_veh[0] = 1.0F;
-    present_veh[1] = 2.0F;
-    present_veh[2] = 3.0F;
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0x0007U, controller.waiting);
-    junction.movement_count = 2U;
-    step();
-    TEST_ASSERT_EQUAL_HEX32(0x0003U, controller.waiting);
-}
-
-static void test_t_of_movements_that_do_not_exist_is_not_counted(void) {
-    junction.movement_count = 2U;
-    seconds(1U, 0U);
-    TEST_ASSERT_EQUAL_UINT16(10U, controller.red_ds[1]);
-    TEST_ASSERT_EQUAL_UINT16(0U, controller.red_ds[2]);
-}
-
-static void test_demand_reaches_the_maximum_green_of_the_plan(void) {
-    seconds(2U, 0U);
-    present_veh[1] = 1.0F;
-    seconds(CROSS_MAX_GREEN_DS / 10U, 0U);
-    TEST_ASSERT_EQUAL_HEX16(0x0001U, lamps.green);
-    seconds(1U, 0U);
-    TEST_ASSERT_EQUAL_HEX16(0x0001U, lamps.amber);
-    TEST_ASSERT_EQUAL_UINT8(1U, controller.plan.target);
-}
-
-/* A counter that is broken for good must not hold one stage for good. */
-static void test_bad_counts_let_the_maximum_greens_turn_the_stages(void) {
-    seconds(2U, 0U);
-    present_veh[1] = NAN;
-    bool shown[3] = {false, false, false};
-    for (uint32_t t = 0U; t < 200U; t++) {
-        TEST_ASSERT_FALSE(elmopp_controller_step(&controller, &counts, NULL));
-        lamp_ticks(10U);
-        if (controller.plan.stage < 3U) {
-            shown[controller.plan.stage] = true;
+static void test_every_movement_is_served_within_the_bound_however_blind_or_stubborn(void) {
+    for (uint32_t run = 0U; run < 3U; run++) {
+        setUp();
+        start();
+        bench.answer = (run == 1U) ? 0U : 200U; /* stays, or names no stage */
+        bench.cameras_silent = (run == 2U) ? 0x0FU : 0U;
+        for (uint32_t i = 0U; i < 8000U; i++) {
+            bench_tick(&bench);
+            for (uint32_t j = 0U; j < GROUPS; j++) {
+                TEST_ASSERT_LESS_OR_EQUAL_UINT16(bench.junction.red_bound_ds, bench.controller.pilot.plan.wait_ds[j]);
+            }
         }
+        bench_expect_good_street(&bench);
     }
-    TEST_ASSERT_TRUE(shown[0] && shown[1] && shown[2]);
 }
 
-/* The chooser is next asked after the plan has changed by force: until then its old wish must not count. */
-static void test_when_blind_every_movement_on_red_waits(void) {
-    seconds(10U, 1U);
-    TEST_ASSERT_TRUE(controller.going != 0U);
-    present_veh[0] = NAN;
-    TEST_ASSERT_FALSE(elmopp_controller_step(&controller, &counts, NULL));
-    TEST_ASSERT_EQUAL_HEX32(0x00FFFFFFU & ~controller.going, controller.waiting);
+static void test_a_camera_that_the_site_does_not_have_is_not_listened_to(void) {
+    bench.junction.cameras = 0x07U;
+    bench_start(&bench, &bench.junction);
+    start();
+    TEST_ASSERT_EQUAL_HEX32(0x07U, bench.controller.detector.trusted);
+    elmopp_detector_report_t report[ELMOPP_APPROACH_MOVEMENT_MAX] = {{1U, 1U, true}, {0U, 0U, true}, {0U, 0U, true}};
+    elmopp_frame_t frame = elmopp_frames_make_counts(3U, report, 0U);
+    uint8_t counter = 0U;
+    elmopp_link_seal(&frame, &counter);
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &frame));
+    TEST_ASSERT_EQUAL_UINT8(0U, bench.controller.bus.refused);
 }
 
-static void test_a_forced_stage_outlives_the_wish_from_before(void) {
-    for (uint32_t g = 0U; g < 3U; g++) {
-        junction.group[g].amber_ds = 0U;
-        junction.group[g].red_amber_ds = 0U;
-        junction.group[g].min_green_ds = 1U;
-        for (uint32_t h = 0U; h < 3U; h++) {
-            junction.intergreen_ds[g][h] = 0U;
+/* --- faults --- */
+
+static void test_lost_feedback_flashes(void) {
+    start();
+    bench.nodes_silent = 0x01U;
+    bench_ticks(&bench, 3U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, bench.controller.mode);
+    bench_ticks(&bench, 1U);
+    expect_fault(ELMOPP_FAULT_FEEDBACK_LOST, 0U);
+}
+
+static void test_a_green_that_sticks_is_named(void) {
+    start();
+    bench.stuck_on.green = 0x0004U;
+    bench_ticks(&bench, 6U);
+    expect_fault(ELMOPP_FAULT_FEEDBACK_DIFFERS, 2U);
+}
+
+static void test_a_red_that_is_broken_is_named(void) {
+    start();
+    bench.broken.red = 0x0008U;
+    bench_ticks(&bench, 6U);
+    expect_fault(ELMOPP_FAULT_FEEDBACK_DIFFERS, 3U);
+}
+
+static void test_what_a_lamp_node_says_of_itself_is_a_fault(void) {
+    bench.junction.group[2].node = 3U;
+    bench_start(&bench, &bench.junction);
+    start();
+    bench.lamp_fault = true;
+    bench_ticks(&bench, 2U);
+    expect_fault(ELMOPP_FAULT_LAMP_NODE, 0U);
+    setUp();
+    start();
+    bench.own_fail_safe = true;
+    bench_ticks(&bench, 2U);
+    expect_fault(ELMOPP_FAULT_LAMP_NODE, 0U);
+}
+
+static void test_site_data_that_change_are_found_within_a_round(void) {
+    for (uint32_t byte = 0U; byte < sizeof bench.junction; byte += 61U) {
+        setUp();
+        expect_mode(ELMOPP_MODE_START_FLASH, 20U);
+        ((uint8_t *)&bench.junction)[byte] ^= 0x04U;
+        uint32_t rounds = 0U;
+        while ((bench.controller.fault == ELMOPP_FAULT_NONE) && (rounds < 80U)) {
+            bench_tick(&bench);
+            rounds++;
         }
+        ((uint8_t *)&bench.junction)[byte] ^= 0x04U;
+        TEST_ASSERT_TRUE(bench.controller.fault != ELMOPP_FAULT_NONE);
+        bench.complaint[0] = '\0'; /* the street was not the same while it lasted */
     }
-    present_veh[1] = 1.0F;
-    seconds(CROSS_MAX_GREEN_DS / 10U, 0U);
-    step();
-    lamp_ticks(9U);
-    TEST_ASSERT_EQUAL_UINT8(1U, controller.plan.stage);
 }
 
-/* --- counts --- */
-
-static void expect_refused(float *count, float value) {
-    elmopp_controller_t before = controller;
-    const uint32_t calls = script.calls;
-    const float right = *count;
-    *count = value;
-    TEST_ASSERT_FALSE(elmopp_controller_step(&controller, &counts, NULL));
-    *count = right;
-    before.waiting = controller.waiting; /* blind: everybody on red */
-    TEST_ASSERT_EQUAL_HEX32(0U, controller.waiting & controller.going);
-    TEST_ASSERT_EQUAL_HEX32(0x0007U & ~controller.going, controller.waiting & 0x0007U);
-    TEST_ASSERT_EQUAL_MEMORY(&before, &controller, sizeof controller);
-    TEST_ASSERT_EQUAL_UINT32(calls, script.calls);
+static void test_a_corrupted_plan_never_shows_its_conflict(void) {
+    start();
+    bench_ticks(&bench, 100U);
+    bench.controller.pilot.plan.group[0].aspect = ELMOPP_ASPECT_GREEN;
+    bench.controller.pilot.plan.group[1].aspect = ELMOPP_ASPECT_GREEN;
+    bench_ticks(&bench, 1U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FAIL_SAFE, bench.controller.mode);
+    TEST_ASSERT_EQUAL_HEX16(0U, bench.shown.green);
+    TEST_ASSERT_TRUE((bench.controller.fault == ELMOPP_FAULT_CONFLICT) ||
+                     (bench.controller.fault == ELMOPP_FAULT_SEQUENCE));
 }
 
-static void test_bad_counts_are_refused_and_change_nothing(void) {
-    static const float bad[] = {-1.0F, -1.0e-30F, NAN, INFINITY, -INFINITY, 1000000.0625F};
-    start_with(ELMOPP_FORECAST_EWMA, 60U);
-    seconds(3U, 1U);
-    for (uint32_t j = 0U; j < MOVEMENTS; j++) {
-        for (uint32_t i = 0U; i < sizeof bad / sizeof bad[0]; i++) {
-            expect_refused(&present_veh[j], bad[i]);
-            expect_refused(&arrived_veh[j], bad[i]);
+static void test_a_mode_that_does_not_exist_ends_in_fail_safe(void) {
+    start();
+    bench.controller.mode = (elmopp_mode_t)77;
+    bench_ticks(&bench, 1U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FAIL_SAFE, bench.controller.mode);
+    TEST_ASSERT_EQUAL_HEX16(0x000FU, bench.shown.flash);
+}
+
+/* --- clearing --- */
+
+static void fail(void) {
+    start();
+    bench.stuck_on.green = 0x0004U;
+    bench_ticks(&bench, 6U);
+    bench.stuck_on.green = 0U;
+}
+
+static void test_a_fault_is_cleared_by_two_commands_and_the_key_and_leads_to_starting(void) {
+    fail();
+    elmopp_controller_hold_reset(&bench.controller, true);
+    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_PREPARE, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    bench_ticks(&bench, ELMOPP_CONTROLLER_CLEAR_DS - 1U);
+    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    bench_ticks(&bench, 1U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_STARTING, bench.controller.mode);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.controller.fault);
+    expect_mode(ELMOPP_MODE_AUTOMATIC, START_LIMIT);
+}
+
+static void test_a_command_alone_clears_nothing(void) {
+    fail();
+    const uint8_t refused = bench.controller.bus.refused;
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_PREPARE, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    bench_ticks(&bench, 10U);
+    expect_fault(ELMOPP_FAULT_FEEDBACK_DIFFERS, 2U);
+    TEST_ASSERT_EQUAL_UINT8(refused + 2U, bench.status.refused);
+}
+
+static void test_half_a_clearing_clears_nothing(void) {
+    fail();
+    elmopp_controller_hold_reset(&bench.controller, true);
+    bench_ticks(&bench, 100U); /* the key alone */
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_PREPARE, ELMOPP_FAULT_CONFLICT));
+    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_PREPARE, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM, ELMOPP_FAULT_CONFLICT));
+    bench_ticks(&bench, ELMOPP_CONTROLLER_CLEAR_DS);
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_PREPARE, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    elmopp_controller_hold_reset(&bench.controller, false); /* let go in between */
+    elmopp_controller_hold_reset(&bench.controller, true);
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    bench_ticks(&bench, 1U);
+    expect_fault(ELMOPP_FAULT_FEEDBACK_DIFFERS, 2U);
+}
+
+static void test_a_cleared_fault_that_is_still_there_comes_back(void) {
+    fail();
+    bench.stuck_on.green = 0x0004U;
+    elmopp_controller_hold_reset(&bench.controller, true);
+    (void)bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_PREPARE, ELMOPP_FAULT_FEEDBACK_DIFFERS);
+    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM, ELMOPP_FAULT_FEEDBACK_DIFFERS));
+    bench_ticks(&bench, ELMOPP_CONTROLLER_SELF_TEST_DS + 2U);
+    expect_fault(ELMOPP_FAULT_SELF_TEST, 0U);
+}
+
+/* --- commands --- */
+
+static void test_every_wish_is_fulfilled_and_run_brings_automatic_back(void) {
+    static const struct {
+        elmopp_request_t request;
+        uint32_t argument;
+        elmopp_mode_t mode;
+    } wishes[] = {{ELMOPP_REQUEST_FIXED_TIME, 0U, ELMOPP_MODE_FIXED_TIME},
+                  {ELMOPP_REQUEST_MANUAL, 3U, ELMOPP_MODE_MANUAL},
+                  {ELMOPP_REQUEST_ALL_RED, 0U, ELMOPP_MODE_ALL_RED},
+                  {ELMOPP_REQUEST_FLASHING, 0U, ELMOPP_MODE_FLASHING},
+                  {ELMOPP_REQUEST_DARK, 0U, ELMOPP_MODE_DARK}};
+    start();
+    for (uint32_t from = 0U; from < 5U; from++) {
+        for (uint32_t to = 0U; to < 5U; to++) {
+            TEST_ASSERT_TRUE(bench_command(&bench, wishes[from].request, wishes[from].argument));
+            expect_mode(wishes[from].mode, 1000U);
+            bench_ticks(&bench, 30U);
+            TEST_ASSERT_TRUE(bench_command(&bench, wishes[to].request, wishes[to].argument));
+            expect_mode(wishes[to].mode, 1000U);
+            bench_ticks(&bench, 30U);
         }
+        TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_RUN, 0U));
+        expect_mode(ELMOPP_MODE_AUTOMATIC, 1000U);
     }
-    lamp_ticks(1U);
-    TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.green);
 }
 
-static void test_after_a_refusal_the_wish_stays_as_it_is(void) {
-    seconds(10U, 0U);
-    script.answer = 1U;
-    step();
-    present_veh[2] = -1.0F;
-    TEST_ASSERT_FALSE(elmopp_controller_step(&controller, &counts, NULL));
-    lamp_ticks(1U);
-    TEST_ASSERT_EQUAL_UINT8(1U, controller.plan.target);
+static void test_manual_shows_the_stage_asked_for(void) {
+    start();
+    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_MANUAL, 3U));
+    bench_ticks(&bench, 200U);
+    TEST_ASSERT_EQUAL_HEX16(0x0008U, bench.shown.green);
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_MANUAL, 4U));
+    TEST_ASSERT_EQUAL_UINT8(3U, bench.controller.manual_stage);
 }
 
-static void test_counts_of_zero_and_a_million_are_taken(void) {
-    present_veh[0] = -0.0F;
-    present_veh[1] = 1.0e6F;
-    arrived_veh[2] = 1.0e6F;
-    step();
+static void test_requests_that_do_not_exist_are_refused(void) {
+    start();
+    TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_NONE, 0U));
+    for (uint32_t request = 10U; request < 16U; request++) {
+        TEST_ASSERT_FALSE(bench_command(&bench, (elmopp_request_t)request, 0U));
+    }
+    bench_ticks(&bench, 10U);
+    TEST_ASSERT_EQUAL_UINT8(7U, bench.status.refused);
 }
 
-static void test_counts_beyond_the_movements_are_not_read(void) {
-    present_veh[MOVEMENTS] = NAN;
-    arrived_veh[MOVEMENTS] = -1.0F;
-    step();
+static void test_the_schedule_flashes_at_night_and_the_clock_runs(void) {
+    bench.junction.schedule_count = 2U;
+    bench.junction.schedule[0] =
+        (elmopp_schedule_t){.from_min = 60U, .weekdays = 0x7FU, .program = ELMOPP_SCHEDULE_FLASH};
+    bench.junction.schedule[1] = (elmopp_schedule_t){.from_min = 62U, .weekdays = 0x7FU, .program = 0U};
+    bench_start(&bench, &bench.junction);
+    start();
+    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_SET_WALL_TIME, (86400U * 100U) + 3590U));
+    bench_ticks(&bench, 90U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, bench.controller.mode);
+    expect_mode(ELMOPP_MODE_FLASHING, 250U);
+    expect_mode(ELMOPP_MODE_FIRST_STAGE, 1300U);
+    TEST_ASSERT_UINT32_WITHIN(3U, (86400U * 100U) + 3722U, bench.controller.wall_s);
 }
 
-/* --- forecast --- */
+/* --- the clock --- */
 
-static void test_the_forecast_sees_the_second_before_the_chooser(void) {
-    start_with(ELMOPP_FORECAST_PERSISTENCE, 0U);
-    arrived_veh[0] = 0.5F;
-    arrived_veh[1] = 2.0F;
-    arrived_veh[2] = 0.25F;
-    step();
-    TEST_ASSERT_EQUAL_FLOAT(0.75F, script.first_veh[0]);
-    TEST_ASSERT_EQUAL_FLOAT(2.0F, script.first_veh[1]);
-    TEST_ASSERT_EQUAL_FLOAT(-1.0F, script.first_veh[2]);
+static uint32_t tick_at(elmopp_ms_t now_ms) {
+    elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK];
+    return elmopp_controller_tick(&bench.controller, now_ms, out);
 }
 
-static void test_the_forecast_has_the_steps_asked_for_but_at_least_a_minute(void) {
-    static const uint16_t asked_s[] = {0U, 59U, 60U, 61U, ELMOPP_HORIZON_MAX};
-    static const uint16_t steps[] = {60U, 60U, 60U, 61U, ELMOPP_HORIZON_MAX};
+static void test_ticks_keep_to_their_grid(void) {
+    TEST_ASSERT_TRUE(tick_at(1000U) > 0U);
+    TEST_ASSERT_EQUAL_UINT32(0U, tick_at(1000U));
+    TEST_ASSERT_EQUAL_UINT32(0U, tick_at(1049U));
+    TEST_ASSERT_TRUE(tick_at(1050U) > 0U); /* due at 1100 */
+    TEST_ASSERT_EQUAL_UINT32(0U, tick_at(1149U));
+    TEST_ASSERT_TRUE(tick_at(1240U) > 0U); /* due at 1200 */
+    TEST_ASSERT_EQUAL_UINT32(0U, tick_at(1249U));
+    TEST_ASSERT_TRUE(tick_at(1290U) > 0U); /* due at 1300 */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.controller.fault);
+}
+
+static void test_so_many_ticks_never_take_less_than_so_many_tenths_but_one_half(void) {
+    for (uint32_t poll_ms = 1U; poll_ms < 140U; poll_ms++) {
+        setUp();
+        uint32_t done = 0U;
+        for (uint32_t now_ms = 0U; now_ms < 10000U; now_ms += poll_ms) {
+            done += (tick_at(now_ms) > 0U) ? 1U : 0U;
+            TEST_ASSERT_TRUE(((done * 100U) <= (now_ms + 150U)));
+        }
+        TEST_ASSERT_TRUE((poll_ms > 100U) || (done >= 99U));
+    }
+}
+
+static void test_a_tick_that_was_missed_is_left_out(void) {
+    (void)tick_at(0U);
+    TEST_ASSERT_TRUE(tick_at(300U) > 0U);
+    TEST_ASSERT_EQUAL_UINT32(0U, tick_at(340U));
+    TEST_ASSERT_TRUE(tick_at(400U) > 0U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.controller.fault);
+}
+
+static void test_a_late_tick_and_a_clock_that_jumps_back_or_far_ahead_are_faults(void) {
+    static const uint32_t bad_ms[] = {5301U, 4999U, 0U, 1000000U, 0x80000000U};
     for (uint32_t i = 0U; i < 5U; i++) {
-        start_with(ELMOPP_FORECAST_MEAN, asked_s[i]);
-        step();
-        TEST_ASSERT_EQUAL_UINT16(steps[i], script.view.foreseen_steps);
+        setUp();
+        (void)tick_at(5000U);
+        TEST_ASSERT_TRUE(tick_at(bad_ms[i]) > 0U);
+        TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_CLOCK, bench.controller.fault);
+        TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FAIL_SAFE, bench.controller.mode);
+        TEST_ASSERT_TRUE(tick_at(bad_ms[i] + 100U) > 0U);
     }
 }
 
-static void test_without_a_forecast_nothing_is_foreseen(void) {
-    start_with(ELMOPP_FORECAST_NONE, 60U);
-    arrived_veh[0] = 1.0F;
-    step();
-    TEST_ASSERT_EQUAL_UINT16(0U, script.view.foreseen_steps);
-    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-        TEST_ASSERT_NULL(script.view.foreseen_veh[i]);
-    }
-    TEST_ASSERT_EQUAL_FLOAT(0.0F, controller.foreseen_sum_veh[0]);
+static void test_a_clock_that_wraps_is_no_fault(void) {
+    bench.now_ms = UINT32_MAX - 20000U;
+    start();
+    bench_ticks(&bench, 600U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, bench.controller.mode);
+    TEST_ASSERT_TRUE(bench.now_ms < 100000U);
 }
 
-static void test_foreseen_sum_is_that_of_60_seconds(void) {
-    start_with(ELMOPP_FORECAST_PERSISTENCE, ELMOPP_HORIZON_MAX);
-    arrived_veh[0] = 0.5F;
-    arrived_veh[1] = 0.25F;
-    step();
-    TEST_ASSERT_EQUAL_FLOAT(30.0F, controller.foreseen_sum_veh[0]);
-    TEST_ASSERT_EQUAL_FLOAT(15.0F, controller.foreseen_sum_veh[1]);
-    arrived_veh[0] = 1.0F;
-    step();
-    TEST_ASSERT_EQUAL_FLOAT(60.0F, controller.foreseen_sum_veh[0]);
-}
+/* --- frames out --- */
 
-static void test_rows_of_an_oracle_replace_the_forecast(void) {
-    static float row_veh[APPROACHES][ELMOPP_HORIZON_MAX];
-    for (uint32_t t = 0U; t < ELMOPP_HORIZON_MAX; t++) {
-        row_veh[0][t] = (float)(t + 1U);
-        row_veh[1][t] = 1000.0F;
-    }
-    elmopp_foreseen_t oracle = {.row_veh = {row_veh[0], row_veh[1]}, .steps = ELMOPP_HORIZON_MAX};
-    start_with(ELMOPP_FORECAST_MEAN, 59U);
-    arrived_veh[0] = 7.0F;
-    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &counts, &oracle));
-    TEST_ASSERT_EQUAL_UINT16(ELMOPP_HORIZON_MAX, script.view.foreseen_steps);
-    TEST_ASSERT_EQUAL_PTR(row_veh[0], script.view.foreseen_veh[0]);
-    TEST_ASSERT_EQUAL_PTR(row_veh[1], script.view.foreseen_veh[1]);
-    TEST_ASSERT_EQUAL_FLOAT(1830.0F, controller.foreseen_sum_veh[0]);
-    TEST_ASSERT_EQUAL_FLOAT(60000.0F, controller.foreseen_sum_veh[1]);
-    oracle.steps = 3U;
-    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &counts, &oracle));
-    TEST_ASSERT_EQUAL_UINT16(3U, script.view.foreseen_steps);
-    TEST_ASSERT_EQUAL_FLOAT(6.0F, controller.foreseen_sum_veh[0]);
-}
-
-/* While an oracle speaks, the forecast goes on to learn. */
-static void test_the_forecast_observes_under_an_oracle_too(void) {
-    static const elmopp_foreseen_t blind = {.steps = 0U};
-    start_with(ELMOPP_FORECAST_MEAN, 0U);
-    arrived_veh[1] = 3.0F;
-    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &counts, &blind));
-    TEST_ASSERT_EQUAL_UINT16(0U, script.view.foreseen_steps);
-    arrived_veh[1] = 1.0F;
-    step();
-    TEST_ASSERT_EQUAL_FLOAT(2.0F, script.first_veh[1]);
-}
-
-static void test_absorb_shows_the_forecast_a_second_and_decides_nothing(void) {
-    start_with(ELMOPP_FORECAST_MEAN, 0U);
-    arrived_veh[0] = 4.0F;
-    elmopp_controller_absorb(&controller, arrived_veh);
-    TEST_ASSERT_EQUAL_UINT32(0U, script.calls);
-    lamp_ticks(1U);
-    TEST_ASSERT_EQUAL_HEX16(0x0007U, lamps.red);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, controller.plan.target);
-    arrived_veh[0] = 2.0F;
-    step();
-    TEST_ASSERT_EQUAL_FLOAT(3.0F, script.first_veh[0]);
-}
-
-static void test_sixty_absorbed_seconds_make_the_shares_known(void) {
-    arrived_veh[0] = 0.75F;
-    arrived_veh[2] = 0.25F;
-    for (uint32_t n = 0U; n < 59U; n++) {
-        elmopp_controller_absorb(&controller, arrived_veh);
-    }
-    step();
-    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 0.75F, script.share[0]);
-}
-
-/* --- whom the controller trusts --- */
-
-/* A network that says far too much, and traffic that never changes: the mean and persistence are right. */
-static void start_with_a_loud_network(void) {
-    static elmopp_weights_t loud;
-    static const float mean_veh_per_s[APPROACHES] = {1.0F, 1.0F};
-    loud = elmopp_weights_lstm;
-    loud.lstm.head_bias[0] = 900.0F;
-    const elmopp_forecast_config_t config = {
-        .kind = ELMOPP_FORECAST_LSTM, .mean_veh_per_s = mean_veh_per_s, .weights = &loud};
-    start(0U, &config);
-    arrived_veh[0] = 1.0F;
-    arrived_veh[1] = 1.0F;
-}
-
-static void test_a_network_is_told_from_its_own_rows_and_its_cold_start(void) {
-    start_with_a_loud_network();
-    for (uint32_t n = 1U; n < ELMOPP_FORECAST_COLD_S; n++) {
-        step();
-        TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_COLD, controller.foresight);
-        TEST_ASSERT_EQUAL_FLOAT(1.0F, script.first_veh[0]);
-    }
-    step();
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);
-    TEST_ASSERT_EQUAL_FLOAT(elmopp_weights_lstm.high[0], script.first_veh[0]);
-}
-
-/* Cold probes say the mean and are right, so the account is bad from the first warm one on. */
-static void test_a_network_that_is_worse_than_the_mean_is_not_listened_to(void) {
-    start_with_a_loud_network();
-    const uint32_t first_wrong = ELMOPP_FORECAST_COLD_S + ELMOPP_ACCOUNT_PROBE_S;
-    for (uint32_t n = 1U; n < first_wrong; n++) {
-        step();
-        TEST_ASSERT_FALSE(controller.foresight == ELMOPP_FORESIGHT_DISTRUSTED);
-    }
-    step();
-    TEST_ASSERT_EQUAL_UINT32(ELMOPP_CONTROLLER_ACCOUNT_MIN_S, elmopp_forecast_error(&controller.forecast).compared_s);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_DISTRUSTED, controller.foresight);
-    TEST_ASSERT_EQUAL_FLOAT(1.0F, script.first_veh[0]);
-    TEST_ASSERT_EQUAL_FLOAT(1.0F, script.last_veh[0]);
-    TEST_ASSERT_EQUAL_FLOAT(60.0F, controller.foreseen_sum_veh[0]);
-}
-
-static void test_an_account_that_is_too_short_is_no_reason(void) {
-    start_with_a_loud_network();
-    seconds(70U, 0U);
-    controller.forecast.account.error =
-        (elmopp_account_error_t){9.0F, 1.0F, 1.0F, ELMOPP_CONTROLLER_ACCOUNT_MIN_S - 2U};
-    step();
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);
-}
-
-/* What a network gives way to is the mean, so persistence is no rival; as good as the mean is good enough; and trust
- * comes back. */
-static void test_trust_follows_the_account_against_the_mean(void) {
-    static const elmopp_account_error_t accounts[] = {
-        {2.0F, 3.0F, 1.0F, 500U}, {2.0F, 1.0F, 3.0F, 500U}, {2.0F, 3.0F, 2.0F, 500U}, {2.01F, 0.0F, 2.0F, 500U}};
-    static const elmopp_foresight_t right[] = {ELMOPP_FORESIGHT_DISTRUSTED, ELMOPP_FORESIGHT_OWN, ELMOPP_FORESIGHT_OWN,
-                                               ELMOPP_FORESIGHT_DISTRUSTED};
-    start_with_a_loud_network();
-    for (uint32_t n = 0U; n < 70U; n++) {
-        elmopp_controller_absorb(&controller, arrived_veh); /* nothing is said, so nothing is compared */
-    }
-    for (uint32_t i = 0U; i < 4U; i++) {
-        controller.forecast.account.error = accounts[i];
-        step();
-        TEST_ASSERT_EQUAL_INT(right[i], controller.foresight);
-    }
-}
-
-/* The comparison rows of the experiment stay what they are called. */
-static void test_only_a_network_can_lose_trust(void) {
-    start_with(ELMOPP_FORECAST_PERSISTENCE, 0U);
-    controller.forecast.account.error = (elmopp_account_error_t){9.0F, 1.0F, 1.0F, 500U};
-    arrived_veh[0] = 2.0F;
-    step();
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, controller.foresight);
-    TEST_ASSERT_EQUAL_FLOAT(2.0F, script.first_veh[0]);
-}
-
-static void test_weights_that_cannot_be_used_are_told(void) {
-    start_with(ELMOPP_FORECAST_NLSTM, 0U);
-    arrived_veh[0] = 2.0F;
-    step();
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_UNARMED, controller.foresight);
-    TEST_ASSERT_EQUAL_FLOAT(2.0F, script.first_veh[0]);
-}
-
-static void test_rows_from_outside_are_told(void) {
-    static const elmopp_foreseen_t blind = {.steps = 0U};
-    TEST_ASSERT_TRUE(elmopp_controller_step(&controller, &counts, &blind));
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_GIVEN, controller.foresight);
-}
-
-/* --- with a real chooser --- */
-
-/* Stage 0 serves until the hold window ends it: chosen at second 0, up at 1 s, left at 1 + 10 s for the longer queue.
- */
-static void test_urgency_drives_the_lamps(void) {
-    elmopp_urgency_t urgency;
-    const elmopp_urgency_options_t options = {.min_s = 10U, .max_s = 60U, .hysteresis = 1.0F};
-    const elmopp_chooser_t chooser = elmopp_urgency_init(&urgency, &options);
-    const elmopp_forecast_config_t none = {.kind = ELMOPP_FORECAST_NONE};
-    elmopp_controller_init(&controller, &junction, &chooser, &none);
-    present_veh[0] = 2.0F;
-    step();
-    lamp_ticks(10U);
-    present_veh[0] = 0.0F;
-    present_veh[2] = 2.0F;
-    for (uint32_t second = 1U; second < 11U; second++) {
-        step();
-        lamp_ticks(10U);
-        TEST_ASSERT_EQUAL_HEX16(0x0001U, lamps.green);
-    }
-    step();
-    lamp_ticks(1U);
-    TEST_ASSERT_EQUAL_UINT8(2U, controller.plan.target);
-    TEST_ASSERT_EQUAL_HEX16(0x0001U, lamps.amber);
+static void test_lamp_commands_come_every_tick_and_status_every_second_or_on_news(void) {
+    start();
+    bench.answer = 0U;
+    bench.junction.movement_count = bench.controller.junction->movement_count;
+    bench_ticks(&bench, 100U);
+    const uint32_t lamps = bench.lamp_frames;
+    const uint32_t forecasts = bench.forecast_frames;
+    const uint32_t status = bench.status_frames;
+    bench_ticks(&bench, 100U);
+    TEST_ASSERT_EQUAL_UINT32(lamps + 100U, bench.lamp_frames);
+    TEST_ASSERT_EQUAL_UINT32(forecasts + 40U, bench.forecast_frames);
+    TEST_ASSERT_TRUE(bench.status_frames >= (status + 10U));
+    TEST_ASSERT_TRUE(bench.status_frames <= (status + 16U));
 }
 
 int main(void) {
     UNITY_BEGIN();
-    RUN_TEST(test_the_wish_goes_to_the_plan_and_the_lamps_come_back);
-    RUN_TEST(test_without_a_decision_all_lamps_are_red);
-    RUN_TEST(test_the_chooser_is_asked_every_second_also_in_the_intergreen);
-    RUN_TEST(test_an_answer_in_the_intergreen_is_not_used);
-    RUN_TEST(test_the_view_before_the_first_decision_names_no_stage);
-    RUN_TEST(test_the_view_holds_what_was_counted);
-    RUN_TEST(test_elapsed_grows_by_10_a_second);
-    RUN_TEST(test_scores_are_kept_for_the_log);
-    RUN_TEST(test_going_is_the_mask_of_the_movements_that_are_green);
-    RUN_TEST(test_t_grows_by_10_a_second_on_red_and_is_0_on_green);
-    RUN_TEST(test_t_starts_with_amber_and_ends_with_green);
-    RUN_TEST(test_t_of_a_movement_with_two_groups_needs_both_green);
-    RUN_TEST(test_t_saturates);
-    RUN_TEST(test_t_is_0_until_the_first_decision);
-    RUN_TEST(test_demand_needs_a_whole_vehicle_on_red);
-    RUN_TEST(test_vehicles_on_green_demand_nothing);
-    RUN_TEST(test_demand_names_the_movement_and_not_its_groups);
-    RUN_TEST(test_demand_is_that_of_all_movements_that_exist);
-    RUN_TEST(test_t_of_movements_that_do_not_exist_is_not_counted);
-    RUN_TEST(test_demand_reaches_the_maximum_green_of_the_plan);
-    RUN_TEST(test_bad_counts_let_the_maximum_greens_turn_the_stages);
-    RUN_TEST(test_when_blind_every_movement_on_red_waits);
-    RUN_TEST(test_a_forced_stage_outlives_the_wish_from_before);
-    RUN_TEST(test_bad_counts_are_refused_and_change_nothing);
-    RUN_TEST(test_after_a_refusal_the_wish_stays_as_it_is);
-    RUN_TEST(test_counts_of_zero_and_a_million_are_taken);
-    RUN_TEST(test_counts_beyond_the_movements_are_not_read);
-    RUN_TEST(test_the_forecast_sees_the_second_before_the_chooser);
-    RUN_TEST(test_the_forecast_has_the_steps_asked_for_but_at_least_a_minute);
-    RUN_TEST(test_without_a_forecast_nothing_is_foreseen);
-    RUN_TEST(test_foreseen_sum_is_that_of_60_seconds);
-    RUN_TEST(test_rows_of_an_oracle_replace_the_forecast);
-    RUN_TEST(test_the_forecast_observes_under_an_oracle_too);
-    RUN_TEST(test_absorb_shows_the_forecast_a_second_and_decides_nothing);
-    RUN_TEST(test_sixty_absorbed_seconds_make_the_shares_known);
-    RUN_TEST(test_a_network_is_told_from_its_own_rows_and_its_cold_start);
-    RUN_TEST(test_a_network_that_is_worse_than_the_mean_is_not_listened_to);
-    RUN_TEST(test_an_account_that_is_too_short_is_no_reason);
-    RUN_TEST(test_trust_follows_the_account_against_the_mean);
-    RUN_TEST(test_only_a_network_can_lose_trust);
-    RUN_TEST(test_weights_that_cannot_be_used_are_told);
-    RUN_TEST(test_rows_from_outside_are_told);
-    RUN_TEST(test_urgency_drives_the_lamps);
+    RUN_TEST(test_a_start_flashes_then_shows_red_then_its_first_stage);
+    RUN_TEST(test_without_lamps_that_read_back_there_is_no_start);
+    RUN_TEST(test_a_lamp_that_burns_by_itself_fails_the_self_test);
+    RUN_TEST(test_a_node_that_is_late_to_wake_up_is_waited_for);
+    RUN_TEST(test_what_the_port_finds_at_the_start_is_a_fault);
+    RUN_TEST(test_a_site_that_is_none_is_refused_before_any_lamp_burns);
+    RUN_TEST(test_a_power_cut_in_any_mode_begins_at_starting);
+    RUN_TEST(test_a_blind_camera_puts_its_movement_on_recall_and_back);
+    RUN_TEST(test_without_any_camera_the_programme_runs_and_without_faults_automatic_comes_back);
+    RUN_TEST(test_every_movement_is_served_within_the_bound_however_blind_or_stubborn);
+    RUN_TEST(test_a_camera_that_the_site_does_not_have_is_not_listened_to);
+    RUN_TEST(test_lost_feedback_flashes);
+    RUN_TEST(test_a_green_that_sticks_is_named);
+    RUN_TEST(test_a_red_that_is_broken_is_named);
+    RUN_TEST(test_what_a_lamp_node_says_of_itself_is_a_fault);
+    RUN_TEST(test_site_data_that_change_are_found_within_a_round);
+    RUN_TEST(test_a_corrupted_plan_never_shows_its_conflict);
+    RUN_TEST(test_a_mode_that_does_not_exist_ends_in_fail_safe);
+    RUN_TEST(test_a_fault_is_cleared_by_two_commands_and_the_key_and_leads_to_starting);
+    RUN_TEST(test_a_command_alone_clears_nothing);
+    RUN_TEST(test_half_a_clearing_clears_nothing);
+    RUN_TEST(test_a_cleared_fault_that_is_still_there_comes_back);
+    RUN_TEST(test_every_wish_is_fulfilled_and_run_brings_automatic_back);
+    RUN_TEST(test_manual_shows_the_stage_asked_for);
+    RUN_TEST(test_requests_that_do_not_exist_are_refused);
+    RUN_TEST(test_the_schedule_flashes_at_night_and_the_clock_runs);
+    RUN_TEST(test_ticks_keep_to_their_grid);
+    RUN_TEST(test_so_many_ticks_never_take_less_than_so_many_tenths_but_one_half);
+    RUN_TEST(test_a_tick_that_was_missed_is_left_out);
+    RUN_TEST(test_a_late_tick_and_a_clock_that_jumps_back_or_far_ahead_are_faults);
+    RUN_TEST(test_a_clock_that_wraps_is_no_fault);
+    RUN_TEST(test_lamp_commands_come_every_tick_and_status_every_second_or_on_news);
     return UNITY_END();
 }

@@ -20,7 +20,7 @@ static elmopp_lamps_t lamps;
 static void start(const elmopp_junction_t *site) {
     junction = *site;
     elmopp_plan_init(&plan, &junction);
-    lamps = (elmopp_lamps_t){0U, 0U, 0U};
+    lamps = (elmopp_lamps_t){0U, 0U, 0U, 0U};
 }
 
 void setUp(void) {
@@ -29,9 +29,12 @@ void setUp(void) {
 }
 void tearDown(void) {}
 
+/* A street's green rests where nobody waits, so a wish for a stage comes with somebody who wants it. */
 static void run(uint32_t ticks, elmopp_stage_t wanted, uint16_t demand) {
+    const bool is_stage = (wanted < ELMOPP_STAGE_MAX) && (wanted < junction.stage_count);
+    const uint16_t own = is_stage ? junction.stage_groups[wanted] : (uint16_t)0U;
     for (uint32_t i = 0U; i < ticks; i++) {
-        lamps = plan_tick(&plan, wanted, demand);
+        lamps = plan_tick(&plan, wanted, (uint16_t)(demand | own));
     }
 }
 
@@ -64,7 +67,7 @@ static void expect_aspect(uint32_t g, char aspect, uint32_t tick) {
 /* --- start --- */
 
 static void test_before_the_first_wish_everything_is_red_for_ever(void) {
-    run(LONG_TIME, ELMOPP_STAGE_NONE, 0xFFFFU);
+    run(LONG_TIME, ELMOPP_STAGE_NONE, 0U);
     TEST_ASSERT_EQUAL_HEX16(0x0007U, lamps.red);
     TEST_ASSERT_EQUAL_HEX16(0U, lamps.amber);
     TEST_ASSERT_EQUAL_HEX16(0U, lamps.green);
@@ -73,12 +76,12 @@ static void test_before_the_first_wish_everything_is_red_for_ever(void) {
     TEST_ASSERT_EQUAL_UINT16(0U, plan.elapsed_ds);
 }
 
-static void test_the_first_wish_starts_at_once_with_red_amber(void) {
-    for (uint32_t tick = 0U; tick < 20U; tick++) {
+static void test_the_first_green_waits_as_if_all_had_just_been_green(void) {
+    for (uint32_t tick = 0U; tick < 70U; tick++) {
         run(1U, 1U, 0U);
         expect_aspect(0U, 'R', tick);
-        expect_aspect(1U, (tick < CROSS_RED_AMBER_DS) ? 'B' : 'G', tick);
-        TEST_ASSERT_EQUAL_UINT8((tick < CROSS_RED_AMBER_DS) ? ELMOPP_STAGE_NONE : 1U, plan.stage);
+        expect_aspect(1U, (tick < 45U) ? 'R' : ((tick < CROSS_INTERGREEN_DS) ? 'B' : 'G'), tick);
+        TEST_ASSERT_EQUAL_UINT8((tick < CROSS_INTERGREEN_DS) ? ELMOPP_STAGE_NONE : 1U, plan.stage);
         TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
     }
 }
@@ -240,14 +243,14 @@ static void test_no_wish_lets_a_change_go_on(void) {
 
 static void test_the_first_wish_is_followed_to_its_end_too(void) {
     run(1U, 1U, 0U);
-    run(CROSS_RED_AMBER_DS, 2U, 0U);
+    run(CROSS_INTERGREEN_DS, 2U, 0U);
     TEST_ASSERT_EQUAL_UINT8(1U, plan.stage);
 }
 
 /* --- elapsed --- */
 
 static void test_elapsed_is_10_after_one_second_of_a_stage(void) {
-    run(CROSS_RED_AMBER_DS, 0U, 0U);
+    run(CROSS_INTERGREEN_DS, 0U, 0U);
     TEST_ASSERT_EQUAL_UINT16(0U, plan.elapsed_ds);
     run(10U, 0U, 0U);
     TEST_ASSERT_EQUAL_UINT16(10U, plan.elapsed_ds);
@@ -257,7 +260,8 @@ static void test_elapsed_is_10_after_one_second_of_a_stage(void) {
 
 static void test_elapsed_and_ages_saturate(void) {
     junction.group[0].max_green_ds = 0U;
-    run(CROSS_RED_AMBER_DS + LONG_TIME, 0U, 0x0002U);
+    junction.red_bound_ds = 0U;
+    run(CROSS_INTERGREEN_DS + LONG_TIME, 0U, 0x0002U);
     TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, plan.elapsed_ds);
     TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, plan.group[0].age_ds);
     TEST_ASSERT_EQUAL_UINT16(0U, plan.group[0].since_green_ds);
@@ -267,6 +271,7 @@ static void test_elapsed_and_ages_saturate(void) {
 
 static void test_after_a_saturated_green_the_change_is_the_same(void) {
     junction.group[0].max_green_ds = 0U;
+    junction.red_bound_ds = 0U;
     run(LONG_TIME, 0U, 0x0002U);
     for (uint32_t tick = 0U; tick < 70U; tick++) {
         run(1U, 1U, 0U);
@@ -303,18 +308,19 @@ static void test_demand_of_the_green_group_itself_contests_nothing(void) {
 
 static void test_a_maximum_of_zero_never_forces(void) {
     junction.group[0].max_green_ds = 0U;
+    junction.red_bound_ds = 0U;
     settle(0U);
     run(LONG_TIME, 0U, 0x0006U);
     TEST_ASSERT_EQUAL_UINT8(0U, plan.stage);
 }
 
-static void test_a_demand_that_went_away_starts_the_count_but_forces_nothing(void) {
+static void test_a_demand_that_the_camera_lost_is_remembered(void) {
     settle(0U);
     run(1U, 0U, 0x0002U);
-    run(2U * CROSS_MAX_GREEN_DS, 0U, 0U);
+    run(CROSS_MAX_GREEN_DS - 1U, 0U, 0U);
     TEST_ASSERT_EQUAL_UINT8(0U, plan.stage);
-    run(1U, 0U, 0x0004U);
-    TEST_ASSERT_EQUAL_UINT8(2U, plan.target);
+    run(1U, 0U, 0U);
+    TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
     expect_aspect(0U, 'Y', 0U);
 }
 
@@ -332,17 +338,15 @@ static void test_the_count_starts_anew_with_each_green(void) {
     TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
 }
 
-static void test_force_turns_to_the_group_that_has_been_red_longest(void) {
-    settle(1U);
-    settle(0U);
+static void test_force_turns_to_the_movement_that_has_waited_longest(void) {
     settle(2U);
-    run(CROSS_MAX_GREEN_DS + 1U, 2U, 0x0003U);
+    run(1U, 2U, 0x0002U);
+    run(CROSS_MAX_GREEN_DS, 2U, 0x0003U);
     TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
     setUp();
-    settle(0U);
-    settle(1U);
     settle(2U);
-    run(CROSS_MAX_GREEN_DS + 1U, 2U, 0x0003U);
+    run(1U, 2U, 0x0001U);
+    run(CROSS_MAX_GREEN_DS, 2U, 0x0003U);
     TEST_ASSERT_EQUAL_UINT8(0U, plan.target);
 }
 
@@ -388,6 +392,7 @@ static void test_only_conflicting_demand_counts_against_a_group(void) {
     for (uint32_t g = 0U; g < 6U; g++) {
         junction.group[g].max_green_ds = (g == 1U) ? 100U : 0U;
     }
+    junction.red_bound_ds = 0U;
     settle(1U);
     run(1000U, 1U, 0x0011U);
     TEST_ASSERT_EQUAL_UINT8(1U, plan.stage);
@@ -447,10 +452,133 @@ static void test_a_maximum_that_falls_into_a_change_waits_for_its_end(void) {
     TEST_ASSERT_EQUAL_UINT8(2U, plan.target);
 }
 
+/* --- rest --- */
+
+static void test_a_street_rests_in_green_while_nobody_waits(void) {
+    settle(0U);
+    for (uint32_t i = 0U; i < LONG_TIME; i++) {
+        lamps = plan_tick(&plan, (elmopp_stage_t)(i % STAGES), 0x0001U);
+    }
+    TEST_ASSERT_EQUAL_UINT8(0U, plan.stage);
+    run(1U, 1U, 0U);
+    TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
+}
+
+static void test_a_simulation_does_not_rest(void) {
+    junction.simulation_only = 1U;
+    settle(0U);
+    lamps = plan_tick(&plan, 1U, 0U);
+    TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
+}
+
+static void test_all_red_is_no_rest(void) {
+    lamps = plan_tick(&plan, 1U, 0U);
+    TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
+}
+
+/* --- red everywhere --- */
+
+static void test_all_red_ends_every_green_through_amber_and_keeps_its_minimum(void) {
+    run(CROSS_INTERGREEN_DS + 1U, 0U, 0U);
+    for (uint32_t tick = 1U; tick < 120U; tick++) {
+        run(1U, ELMOPP_STAGE_RED, 0x0007U);
+        expect_aspect(0U, (tick < CROSS_MIN_GREEN_DS) ? 'G' : ((tick < 80U) ? 'Y' : 'R'), tick);
+        TEST_ASSERT_EQUAL_INT(tick >= 80U, plan.settled);
+        TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, plan.target);
+        TEST_ASSERT_EQUAL_UINT8((tick == 0U) ? 0U : ELMOPP_STAGE_NONE, plan.stage);
+    }
+}
+
+static void test_nobody_is_rescued_from_all_red_and_the_wait_begins_anew(void) {
+    junction.red_bound_ds = 450U; /* 4 changes of 107 ds */
+    settle(0U);
+    run(5000U, ELMOPP_STAGE_RED, 0x0007U);
+    TEST_ASSERT_EQUAL_HEX16(0U, lamps.green);
+    TEST_ASSERT_EQUAL_UINT16(0U, plan.wait_ds[1]);
+    run(1U, 0U, 0x0007U);
+    TEST_ASSERT_EQUAL_UINT16(1U, plan.wait_ds[1]);
+}
+
+/* --- the bound on red --- */
+
+/* One waits against a green without maximum: rescued when a change under way and its own are all that is left. */
+static void test_a_rescue_begins_when_the_time_left_is_just_enough(void) {
+    const uint16_t change_ds = CROSS_MIN_GREEN_DS + CROSS_INTERGREEN_DS + 2U;
+    junction.group[0].max_green_ds = 0U;
+    junction.red_bound_ds = 800U;
+    settle(0U);
+    const uint32_t last_calm = 800U - (2U * change_ds) - 1U;
+    for (uint32_t tick = 1U; tick <= last_calm; tick++) {
+        run(1U, 0U, 0x0002U);
+        TEST_ASSERT_EQUAL_UINT8(0U, plan.target);
+    }
+    run(1U, 0U, 0x0002U);
+    TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
+    TEST_ASSERT_TRUE(plan.forced);
+    TEST_ASSERT_EQUAL_UINT16(last_calm + 1U, plan.wait_ds[1]);
+}
+
+static void test_without_a_bound_nobody_is_rescued(void) {
+    junction.group[0].max_green_ds = 0U;
+    junction.red_bound_ds = 0U;
+    settle(0U);
+    run(LONG_TIME, 0U, 0x0002U);
+    TEST_ASSERT_EQUAL_UINT8(0U, plan.target);
+    TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, plan.wait_ds[1]);
+}
+
+/* Two wait: the older one first, and then the other after no more than the minimum green. */
+static void test_the_oldest_is_rescued_first_and_greens_are_cut_to_their_minimum(void) {
+    junction.group[0].max_green_ds = 0U;
+    junction.red_bound_ds = 800U;
+    settle(0U);
+    run(1U, 0U, 0x0004U);
+    uint32_t tick = 0U;
+    while ((plan.target == 0U) && (tick < 1000U)) {
+        run(1U, 0U, 0x0006U);
+        tick++;
+    }
+    TEST_ASSERT_EQUAL_UINT8(2U, plan.target);
+    while ((plan.target == 2U) && (tick < 1000U)) {
+        run(1U, 2U, 0U);
+        tick++;
+    }
+    /* 2 changes of 107 ds are left; the green has had its minimum, and nobody asks for its stage any more. */
+    TEST_ASSERT_EQUAL_UINT16(800U - (2U * 107U), plan.wait_ds[1]);
+    TEST_ASSERT_EQUAL_UINT8(1U, plan.target);
+    expect_aspect(2U, 'Y', tick);
+    run(CROSS_INTERGREEN_DS, 2U, 0U);
+    expect_aspect(1U, 'G', tick);
+}
+
+/* Group 1 alone is green; the movement that needs 1 and 2 goes on waiting. */
+static void test_a_movement_that_is_partly_served_goes_on_waiting(void) {
+    junction.movement[2].groups = 0x0006U;
+    junction.stage_groups[2] = 0x0006U;
+    junction.conflict[1] = 0x0001U;
+    junction.conflict[2] = 0x0001U;
+    for (uint32_t i = 0U; i < 300U; i++) {
+        (void)elmopp_plan_step(&plan, 1U, 0x4U);
+    }
+    TEST_ASSERT_EQUAL_HEX16(0x0002U, junction.stage_groups[1]);
+    TEST_ASSERT_EQUAL_UINT8(1U, plan.stage);
+    TEST_ASSERT_EQUAL_UINT16(300U, plan.wait_ds[2]);
+}
+
+static void test_movements_that_do_not_exist_never_wait(void) {
+    settle(0U);
+    for (uint32_t i = 0U; i < 100U; i++) {
+        (void)elmopp_plan_step(&plan, 0U, 0xFFFFFFF8U);
+    }
+    for (uint32_t j = STAGES; j < ELMOPP_MOVEMENT_MAX; j++) {
+        TEST_ASSERT_EQUAL_UINT16(0U, plan.wait_ds[j]);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_before_the_first_wish_everything_is_red_for_ever);
-    RUN_TEST(test_the_first_wish_starts_at_once_with_red_amber);
+    RUN_TEST(test_the_first_green_waits_as_if_all_had_just_been_green);
     RUN_TEST(test_lamps_of_groups_that_do_not_exist_stay_dark);
     RUN_TEST(test_four_way_change_is_exact_in_every_tick);
     RUN_TEST(test_four_way_keeps_the_minimum_green_of_each_group);
@@ -471,9 +599,9 @@ int main(void) {
     RUN_TEST(test_green_goes_on_without_demand);
     RUN_TEST(test_demand_of_the_green_group_itself_contests_nothing);
     RUN_TEST(test_a_maximum_of_zero_never_forces);
-    RUN_TEST(test_a_demand_that_went_away_starts_the_count_but_forces_nothing);
+    RUN_TEST(test_a_demand_that_the_camera_lost_is_remembered);
     RUN_TEST(test_the_count_starts_anew_with_each_green);
-    RUN_TEST(test_force_turns_to_the_group_that_has_been_red_longest);
+    RUN_TEST(test_force_turns_to_the_movement_that_has_waited_longest);
     RUN_TEST(test_force_turns_only_to_a_group_that_waits);
     RUN_TEST(test_force_among_equals_takes_the_lowest_group);
     RUN_TEST(test_a_wish_is_heard_again_when_the_forced_stage_is_up);
@@ -483,5 +611,15 @@ int main(void) {
     RUN_TEST(test_force_takes_the_first_stage_that_holds_the_group);
     RUN_TEST(test_a_green_kept_over_a_change_of_stages_keeps_its_count);
     RUN_TEST(test_a_maximum_that_falls_into_a_change_waits_for_its_end);
+    RUN_TEST(test_a_street_rests_in_green_while_nobody_waits);
+    RUN_TEST(test_a_simulation_does_not_rest);
+    RUN_TEST(test_all_red_is_no_rest);
+    RUN_TEST(test_all_red_ends_every_green_through_amber_and_keeps_its_minimum);
+    RUN_TEST(test_nobody_is_rescued_from_all_red_and_the_wait_begins_anew);
+    RUN_TEST(test_a_rescue_begins_when_the_time_left_is_just_enough);
+    RUN_TEST(test_without_a_bound_nobody_is_rescued);
+    RUN_TEST(test_the_oldest_is_rescued_first_and_greens_are_cut_to_their_minimum);
+    RUN_TEST(test_a_movement_that_is_partly_served_goes_on_waiting);
+    RUN_TEST(test_movements_that_do_not_exist_never_wait);
     return UNITY_END();
 }

@@ -39,8 +39,11 @@ static elmopp_plan_group_t end_of(const elmopp_group_t *site, elmopp_plan_group_
     case ELMOPP_ASPECT_AMBER:
         return (before.age_ds < site->amber_ds) ? before : turned(before, ELMOPP_ASPECT_RED);
     case ELMOPP_ASPECT_RED_AMBER:
-        return keep ? before : turned(before, ELMOPP_ASPECT_RED);
     case ELMOPP_ASPECT_RED:
+    case ELMOPP_ASPECT_DARK:
+    case ELMOPP_ASPECT_FLASH_AMBER:
+    case ELMOPP_ASPECT_FLASH_RED:
+    case ELMOPP_ASPECT_COUNT:
     default:
         return before;
     }
@@ -88,14 +91,12 @@ static elmopp_plan_group_t start_of(const elmopp_junction_t *junction, const elm
     const uint32_t intergreen_ds = junction->intergreen_ds[0][1];
     const uint32_t red_amber_ds = junction->group[1].red_amber_ds;
     const bool red = ended[0].aspect == ELMOPP_ASPECT_RED;
-    const bool may_go = red && (since_ds >= intergreen_ds);
     const bool may_prepare = red && ((since_ds + red_amber_ds) >= intergreen_ds);
-    elmopp_plan_group_t green = turned(before, ELMOPP_ASPECT_GREEN);
-    green.contested_ds = 0U;
-    if ((before.aspect == ELMOPP_ASPECT_RED) && keep && may_prepare) {
-        return ((red_amber_ds == 0U) && may_go) ? green : turned(before, ELMOPP_ASPECT_RED_AMBER);
+    const elmopp_plan_group_t green = turned(before, ELMOPP_ASPECT_GREEN);
+    if ((before.aspect == ELMOPP_ASPECT_RED) && (before.age_ds > 0U) && keep && may_prepare) {
+        return (red_amber_ds == 0U) ? green : turned(before, ELMOPP_ASPECT_RED_AMBER);
     }
-    if ((before.aspect == ELMOPP_ASPECT_RED_AMBER) && (before.age_ds >= red_amber_ds) && may_go) {
+    if ((before.aspect == ELMOPP_ASPECT_RED_AMBER) && (before.age_ds >= red_amber_ds)) {
         return green;
     }
     return before;
@@ -182,7 +183,7 @@ static uint32_t change_time(const elmopp_junction_t *junction, uint32_t from, ui
 /* Ticks until the stage is shown, counted from the first tick with the wish: 0 if it is shown in that tick. */
 static uint32_t bring_up(elmopp_plan_t *plan, uint32_t stage) {
     for (uint32_t tick = 0U; tick < SETTLE_LIMIT; tick++) {
-        (void)plan_tick(plan, (elmopp_stage_t)stage, 0U);
+        (void)plan_tick(plan, (elmopp_stage_t)stage, plan->junction->stage_groups[stage]);
         if (plan->stage == stage) {
             return tick;
         }

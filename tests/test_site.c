@@ -12,6 +12,7 @@
 
 #define GROUPS 4U
 #define VEHICLES_MAX 1.0e6F
+#define TEN_MINUTES_DS 6000U
 
 static elmopp_junction_t site;
 
@@ -31,6 +32,23 @@ static void expect_ok(void) {
     expect(ELMOPP_SITE_OK, 0U, 0U);
 }
 
+static void expect_verdict(elmopp_site_fault_t fault, uint32_t first, elmopp_site_verdict_t verdict) {
+    TEST_ASSERT_EQUAL_INT(fault, verdict.fault);
+    TEST_ASSERT_EQUAL_UINT8(first, verdict.first);
+    TEST_ASSERT_EQUAL_UINT8(0U, verdict.second);
+}
+
+/* A programme of two steps, and the movements rescued by their stages. */
+static void use_stages(uint8_t one, uint8_t other) {
+    site.program[0].step_count = 2U;
+    site.program[0].step[0].stage = one;
+    site.program[0].step[1].stage = other;
+    for (uint32_t j = 0U; j < site.movement_count; j++) {
+        const bool first = elmopp_junction_goes(&site, j, site.stage_groups[one]);
+        site.rescue_stage[j] = first ? one : other;
+    }
+}
+
 /* Two groups that may be green together: 2 and 3 of the cross. Then stage 2 holds both, and there is no stage 3. */
 static void make_compatible(void) {
     site.conflict[2] = 0x0003U;
@@ -39,6 +57,8 @@ static void make_compatible(void) {
     site.intergreen_ds[3][2] = 0U;
     site.stage_groups[2] = 0x000CU;
     site.stage_count = 3U;
+    site.rescue_stage[3] = 2U;
+    site.program[0].step[3].stage = 2U;
 }
 
 static void test_every_generated_site_passes(void) {
@@ -71,8 +91,10 @@ static void test_approach_count_is_1_to_8(void) {
 }
 
 static void test_movement_count_is_1_to_24(void) {
-    for (uint32_t j = GROUPS; j < ELMOPP_MOVEMENT_MAX; j++) {
-        site.movement[j] = site.movement[0];
+    site = test_cross(ELMOPP_APPROACH_MAX);
+    for (uint32_t j = ELMOPP_APPROACH_MAX; j < ELMOPP_MOVEMENT_MAX; j++) {
+        site.movement[j] = site.movement[j - ELMOPP_APPROACH_MAX];
+        site.rescue_stage[j] = site.rescue_stage[j - ELMOPP_APPROACH_MAX];
     }
     site.movement_count = 24U;
     expect_ok();
@@ -107,6 +129,7 @@ static void make_32_stages(void) {
         site.stage_groups[s] = (uint16_t)groups;
     }
     site.stage_count = 32U;
+    use_stages(0U, 31U);
 }
 
 static void test_stage_count_is_1_to_32(void) {
@@ -116,6 +139,75 @@ static void test_stage_count_is_1_to_32(void) {
     expect(ELMOPP_SITE_COUNTS, 0U, 0U);
     site.stage_count = 0U;
     expect(ELMOPP_SITE_COUNTS, 0U, 0U);
+}
+
+static void check_count(uint8_t *count, uint32_t bound) {
+    const uint8_t before = *count;
+    *count = (uint8_t)bound;
+    expect_ok();
+    *count = (uint8_t)(bound + 1U);
+    expect(ELMOPP_SITE_COUNTS, 0U, 0U);
+    *count = 255U;
+    expect(ELMOPP_SITE_COUNTS, 0U, 0U);
+    *count = before;
+}
+
+static void test_tables_of_hours_have_no_more_rows_than_there_is_room_for(void) {
+    for (uint32_t i = 1U; i < ELMOPP_PROGRAM_MAX; i++) {
+        site.program[i] = site.program[0];
+    }
+    for (uint32_t i = 0U; i < ELMOPP_SCHEDULE_MAX; i++) {
+        site.schedule[i].weekdays = 1U;
+    }
+    check_count(&site.program_count, 4U);
+    check_count(&site.schedule_count, 16U);
+    check_count(&site.special_day_count, 16U);
+}
+
+static void test_the_first_stage_exists(void) {
+    site.first_stage = GROUPS - 1U;
+    expect_ok();
+    site.first_stage = GROUPS;
+    expect(ELMOPP_SITE_START, 0U, 0U);
+    site.first_stage = ELMOPP_STAGE_NONE;
+    expect(ELMOPP_SITE_START, 0U, 0U);
+}
+
+static void test_cameras_look_at_approaches_that_exist(void) {
+    site.cameras = 0U; /* everybody on recall */
+    expect_ok();
+    site.cameras = 0x0FU;
+    expect_ok();
+    site.cameras = 0x10U;
+    expect(ELMOPP_SITE_START, 0U, 0U);
+    site.cameras = 0x81U;
+    expect(ELMOPP_SITE_START, 0U, 0U);
+    site = test_cross(ELMOPP_APPROACH_MAX);
+    site.cameras = 0xFFU;
+    expect_ok();
+}
+
+static void check_start_time(uint16_t *time_ds) {
+    *time_ds = TEN_MINUTES_DS;
+    expect_ok();
+    *time_ds = TEN_MINUTES_DS + 1U;
+    expect(ELMOPP_SITE_START, 0U, 0U);
+    *time_ds = 65535U;
+    expect(ELMOPP_SITE_START, 0U, 0U);
+    *time_ds = 0U;
+    expect_ok();
+}
+
+static void test_a_start_takes_ten_minutes_of_each_at_most(void) {
+    check_start_time(&site.start_flash_ds);
+    check_start_time(&site.start_red_ds);
+}
+
+static void test_detectors_may_have_any_limits(void) {
+    site.no_activity_min = 255U;
+    site.max_presence_min = 255U;
+    site.erratic_per_min = 255U;
+    expect_ok();
 }
 
 static void test_codes_are_known(void) {
@@ -262,6 +354,7 @@ static void test_a_movement_names_an_approach_that_exists(void) {
 
 static void test_a_movement_names_groups_that_exist(void) {
     site.movement[1].groups = 0x0008U;
+    site.rescue_stage[1] = 3U;
     expect_ok();
     site.movement[1].groups = 0x0010U;
     expect(ELMOPP_SITE_MOVEMENT, 1U, 0U);
@@ -276,7 +369,41 @@ static void test_a_movement_is_served_by_a_stage(void) {
     site.stage_groups[GROUPS] = 0x000CU; /* not counted, so no stage */
     expect(ELMOPP_SITE_MOVEMENT, 1U, 0U);
     make_compatible();
+    site.rescue_stage[1] = 2U;
     expect_ok();
+}
+
+static void test_an_approach_has_3_movements_at_most(void) {
+    site.movement[0].approach = 2U;
+    site.movement[1].approach = 2U;
+    expect_ok();
+    site.movement[3].approach = 2U;
+    expect(ELMOPP_SITE_APPROACH, 2U, 0U);
+    site.movement_count = 3U;
+    expect_ok();
+}
+
+static void test_a_movement_is_rescued_by_a_stage_that_serves_it(void) {
+    site.rescue_stage[2] = 1U;
+    expect(ELMOPP_SITE_RESCUE, 2U, 0U);
+    site.rescue_stage[2] = 2U;
+    expect_ok();
+    site.rescue_stage[3] = GROUPS;
+    site.stage_groups[GROUPS] = 0x000FU; /* not counted, so no stage */
+    expect(ELMOPP_SITE_RESCUE, 3U, 0U);
+    site.rescue_stage[3] = 255U;
+    expect(ELMOPP_SITE_RESCUE, 3U, 0U);
+}
+
+static void test_one_of_a_movements_groups_is_no_rescue(void) {
+    make_compatible();
+    site.movement[0].groups = 0x000CU;
+    site.rescue_stage[0] = 2U;
+    expect_ok();
+    site.stage_groups[2] = 0x0004U;
+    site.stage_groups[3] = 0x000CU;
+    site.stage_count = 4U;
+    expect(ELMOPP_SITE_RESCUE, 0U, 0U);
 }
 
 static void test_a_street_has_3_to_6_seconds_of_amber(void) {
@@ -313,15 +440,63 @@ static void test_a_street_has_5_seconds_of_green_a_simulation_1(void) {
     expect(ELMOPP_SITE_GROUP, 3U, 0U);
 }
 
-static void test_maximum_green_is_0_or_not_below_the_minimum(void) {
-    site.group[1].max_green_ds = 0U;
-    expect_ok();
-    site.group[1].max_green_ds = CROSS_MIN_GREEN_DS + 1U;
+static void test_maximum_green_is_not_below_the_minimum(void) {
+    site.group[1].max_green_ds = CROSS_MIN_GREEN_DS;
     expect_ok();
     site.group[1].max_green_ds = CROSS_MIN_GREEN_DS - 1U;
     expect(ELMOPP_SITE_GROUP, 1U, 0U);
     site.group[1].max_green_ds = 1U;
     expect(ELMOPP_SITE_GROUP, 1U, 0U);
+}
+
+static void test_only_a_simulation_has_greens_without_a_maximum(void) {
+    site.group[1].max_green_ds = 0U;
+    expect(ELMOPP_SITE_GROUP, 1U, 0U);
+    site.simulation_only = 1U;
+    expect_ok();
+    site.group[1].max_green_ds = CROSS_MIN_GREEN_DS - 1U;
+    expect(ELMOPP_SITE_GROUP, 1U, 0U);
+}
+
+static void check_group_time(uint16_t *time_ds) {
+    *time_ds = TEN_MINUTES_DS;
+    expect_verdict(ELMOPP_SITE_OK, 0U, elmopp_site_check_group(&site, 2U));
+    *time_ds = TEN_MINUTES_DS + 1U;
+    expect_verdict(ELMOPP_SITE_GROUP, 2U, elmopp_site_check_group(&site, 2U));
+    *time_ds = 65535U;
+    expect_verdict(ELMOPP_SITE_GROUP, 2U, elmopp_site_check_group(&site, 2U));
+}
+
+/* In a simulation, where amber has no street's limit. */
+static void test_no_time_of_a_group_is_above_ten_minutes(void) {
+    uint16_t *const time_ds[] = {&site.group[2].amber_ds, &site.group[2].red_amber_ds, &site.group[2].min_green_ds,
+                                 &site.group[2].max_green_ds};
+    for (uint32_t i = 0U; i < 4U; i++) {
+        site = test_cross(GROUPS);
+        site.simulation_only = 1U;
+        site.group[2].max_green_ds = 0U;
+        check_group_time(time_ds[i]);
+    }
+}
+
+static void test_a_group_has_one_of_8_lamp_nodes(void) {
+    site.group[0].node = 7U;
+    expect_ok();
+    site.group[0].node = 8U;
+    expect(ELMOPP_SITE_GROUP, 0U, 0U);
+    site.group[0].node = 255U;
+    expect(ELMOPP_SITE_GROUP, 0U, 0U);
+}
+
+static void test_a_group_flashes_amber_or_red_or_not_at_all(void) {
+    for (uint8_t flash = ELMOPP_FLASH_AMBER; flash <= ELMOPP_FLASH_DARK; flash++) {
+        site.group[3].flash = flash;
+        expect_ok();
+    }
+    site.group[3].flash = ELMOPP_FLASH_DARK + 1U;
+    expect(ELMOPP_SITE_GROUP, 3U, 0U);
+    site.group[3].flash = 255U;
+    expect(ELMOPP_SITE_GROUP, 3U, 0U);
 }
 
 static void test_conflicts_are_symmetric(void) {
@@ -380,7 +555,21 @@ static void test_compatible_groups_have_no_intergreen(void) {
 
 static void test_sums_of_lamps_do_not_wrap(void) {
     site.group[1].red_amber_ds = 65535U;
-    expect(ELMOPP_SITE_INTERGREEN, 0U, 1U);
+    const elmopp_site_verdict_t verdict = elmopp_site_check_pair(&site, 0U, 1U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_INTERGREEN, verdict.fault);
+    TEST_ASSERT_EQUAL_UINT8(0U, verdict.first);
+    TEST_ASSERT_EQUAL_UINT8(1U, verdict.second);
+}
+
+static void test_no_intergreen_is_above_ten_minutes(void) {
+    site.simulation_only = 1U;
+    site.red_bound_ds = 0U;
+    site.intergreen_ds[2][0] = TEN_MINUTES_DS;
+    expect_ok();
+    site.intergreen_ds[2][0] = TEN_MINUTES_DS + 1U;
+    expect(ELMOPP_SITE_INTERGREEN, 2U, 0U);
+    site.intergreen_ds[2][0] = 65535U;
+    expect(ELMOPP_SITE_INTERGREEN, 2U, 0U);
 }
 
 static void test_a_stage_is_not_empty(void) {
@@ -425,9 +614,12 @@ static void test_every_stage_is_maximal(void) {
     site.stage_groups[2] = 0x0008U;
     site.stage_groups[3] = 0x0004U;
     site.stage_count = 4U;
+    site.rescue_stage[2] = 3U;
     expect(ELMOPP_SITE_STAGE_NOT_MAXIMAL, 2U, 2U);
     site.stage_groups[2] = 0x0004U;
     site.stage_groups[3] = 0x0008U;
+    site.rescue_stage[2] = 2U;
+    site.rescue_stage[3] = 3U;
     expect(ELMOPP_SITE_STAGE_NOT_MAXIMAL, 2U, 3U);
 }
 
@@ -442,6 +634,7 @@ static void test_maximality_looks_at_every_group(void) {
         site.stage_groups[0] = 0x0003U;
         site.stage_groups[1] = 0x000CU;
         site.stage_count = 2U;
+        use_stages(0U, 1U);
         expect_ok();
         site.stage_groups[2] = (uint16_t)(1U << (left_out ^ 1U));
         site.stage_count = 3U;
@@ -462,26 +655,254 @@ static void test_a_changed_conflict_bit_of_a_shipped_site_is_found(void) {
     }
 }
 
-static void test_the_first_fault_in_the_order_of_the_list_is_told(void) {
-    site.stage_groups[0] = 0U;
+/* The cross changes within minimum green, intergreen and two ticks; each of its movements has a stage of its own. */
+#define CHANGE_DS (CROSS_MIN_GREEN_DS + CROSS_INTERGREEN_DS + 2U)
+
+static void expect_least_red_bound(uint32_t least_ds) {
+    TEST_ASSERT_EQUAL_UINT32(least_ds, elmopp_site_red_bound_min_ds(&site));
+    site.red_bound_ds = (uint16_t)least_ds;
+    expect_ok();
+    site.red_bound_ds = (uint16_t)(least_ds - 1U);
+    expect(ELMOPP_SITE_RED_BOUND, 0U, 0U);
+}
+
+static void test_a_bound_on_red_leaves_time_for_a_change_to_every_rescue_stage_and_one_before(void) {
+    TEST_ASSERT_EQUAL_UINT32(107U, CHANGE_DS);
+    for (uint32_t count = 1U; count <= ELMOPP_GROUP_MAX; count++) {
+        site = test_cross(count);
+        expect_least_red_bound((count == 1U) ? (2U * (CROSS_MIN_GREEN_DS + CROSS_AMBER_DS + 2U))
+                                             : ((1U + count) * CHANGE_DS));
+    }
+    TEST_ASSERT_EQUAL_UINT32(1819U, elmopp_site_red_bound_min_ds(&site));
+}
+
+static void test_a_rescue_stage_of_several_movements_counts_once(void) {
+    make_compatible();
+    expect_least_red_bound((1U + 3U) * CHANGE_DS);
+    make_32_stages();
+    expect_least_red_bound((1U + 2U) * CHANGE_DS);
+}
+
+static void test_rows_behind_the_last_movement_do_not_count_for_the_bound(void) {
+    site.movement_count = GROUPS - 1U;
+    expect_least_red_bound((1U + GROUPS - 1U) * CHANGE_DS);
+}
+
+static void test_the_bound_counts_on_the_longest_green_and_clearance(void) {
+    site.group[1].min_green_ds = 90U;
+    site.program[0].step[1].green_ds = 90U;
+    site.intergreen_ds[3][2] = 80U;
+    expect_least_red_bound((1U + GROUPS) * (90U + 80U + 2U));
+}
+
+static void test_a_bound_on_red_is_ten_minutes_at_most(void) {
+    site.red_bound_ds = TEN_MINUTES_DS;
+    expect_ok();
+    site.red_bound_ds = TEN_MINUTES_DS + 1U;
+    expect(ELMOPP_SITE_RED_BOUND, 0U, 0U);
+    site.red_bound_ds = 65535U;
+    expect(ELMOPP_SITE_RED_BOUND, 0U, 0U);
+}
+
+/* Ten minutes of green and of clearance, and a rescue stage for each of 24 movements: 25 x 1200.2 s. */
+static void test_the_least_bound_does_not_wrap(void) {
+    make_32_stages();
+    site.movement_count = ELMOPP_MOVEMENT_MAX;
+    for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
+        site.rescue_stage[j] = (uint8_t)(31U - j);
+    }
+    site.group[0].min_green_ds = TEN_MINUTES_DS;
+    site.intergreen_ds[0][1] = TEN_MINUTES_DS;
+    TEST_ASSERT_EQUAL_UINT32(25U * 12002U, elmopp_site_red_bound_min_ds(&site));
+    expect_verdict(ELMOPP_SITE_RED_BOUND, 0U, elmopp_site_check_red_bound(&site));
+    for (uint32_t stage = 32U; stage < 256U; stage++) {
+        site.rescue_stage[5] = (uint8_t)stage; /* none that there is */
+        TEST_ASSERT_EQUAL_UINT32(24U * 12002U, elmopp_site_red_bound_min_ds(&site));
+    }
+}
+
+static void test_only_a_simulation_has_no_bound_on_red(void) {
+    site.red_bound_ds = 0U;
+    expect(ELMOPP_SITE_RED_BOUND, 0U, 0U);
+    site.simulation_only = 1U;
+    expect_ok();
+    expect_least_red_bound((1U + GROUPS) * CHANGE_DS);
+}
+
+static void test_only_a_simulation_has_no_programme(void) {
+    site.program_count = 0U;
+    expect(ELMOPP_SITE_PROGRAM, 0U, ELMOPP_STEP_MAX);
+    site.simulation_only = 1U;
+    expect_ok();
+}
+
+static void test_a_programme_has_1_to_16_steps(void) {
+    site.program_count = 2U;
+    site.program[1] = site.program[0];
+    for (uint32_t i = GROUPS; i < ELMOPP_STEP_MAX; i++) {
+        site.program[1].step[i] = site.program[1].step[0];
+    }
+    site.program[1].step_count = 16U;
+    expect_ok();
+    site.program[1].step_count = 17U;
+    expect(ELMOPP_SITE_PROGRAM, 1U, ELMOPP_STEP_MAX);
+    site.program[1].step_count = 0U;
+    expect(ELMOPP_SITE_PROGRAM, 1U, ELMOPP_STEP_MAX);
+    site = test_cross(1U);
+    site.program[0].step_count = 1U;
+    expect_ok();
+}
+
+static void test_a_step_shows_a_stage_that_exists(void) {
+    site.program_count = 2U;
+    site.program[1] = site.program[0];
+    site.program[1].step[2].stage = GROUPS;
+    site.stage_groups[GROUPS] = 0x0004U; /* not counted, so no stage */
+    expect(ELMOPP_SITE_PROGRAM, 1U, 2U);
+    site.program[1].step[2].stage = 255U;
+    expect(ELMOPP_SITE_PROGRAM, 1U, 2U);
+    site.program_count = 1U;
+    expect_ok();
+}
+
+static void test_a_step_is_as_long_as_its_longest_minimum_green_and_ten_minutes_at_most(void) {
+    make_compatible();
+    site.group[3].min_green_ds = 60U; /* stage 2 holds groups 2 and 3 */
+    site.program[0].step[2].green_ds = 60U;
+    site.program[0].step[1].green_ds = CROSS_MIN_GREEN_DS;
+    expect_ok();
+    site.program[0].step[2].green_ds = 59U;
+    expect(ELMOPP_SITE_PROGRAM, 0U, 2U);
+    site.program[0].step[2].green_ds = TEN_MINUTES_DS;
+    expect_ok();
+    site.program[0].step[2].green_ds = TEN_MINUTES_DS + 1U;
+    expect(ELMOPP_SITE_PROGRAM, 0U, 2U);
+}
+
+static void test_a_programme_serves_every_movement(void) {
+    site.program[0].step[1].stage = 0U;
+    expect(ELMOPP_SITE_PROGRAM, 0U, ELMOPP_STEP_MAX + 1U);
+    site.program[0].step[0].stage = 1U;
+    expect_ok();
+    site.program[0].step[1].stage = 1U;
+    expect(ELMOPP_SITE_PROGRAM, 0U, ELMOPP_STEP_MAX + 0U);
+    site.program[0].step[1].stage = 0U;
+    site.program[0].step_count = 3U;
+    expect(ELMOPP_SITE_PROGRAM, 0U, ELMOPP_STEP_MAX + 3U);
+}
+
+static void test_a_simulations_programme_keeps_the_rules_too(void) {
+    site.simulation_only = 1U;
+    site.program[0].step[3].green_ds = CROSS_MIN_GREEN_DS - 1U;
+    expect(ELMOPP_SITE_PROGRAM, 0U, 3U);
+}
+
+static void make_schedule(void) {
+    site.program_count = 2U;
+    site.program[1] = site.program[0];
+    site.schedule_count = 3U;
+    for (uint32_t i = 0U; i < 3U; i++) {
+        site.schedule[i] = (elmopp_schedule_t){.from_min = (uint16_t)(60U * i), .weekdays = 0x1FU, .program = 1U};
+    }
+    site.schedule[2].program = ELMOPP_SCHEDULE_FLASH;
+    expect_ok();
+}
+
+static void test_a_line_of_the_schedule_begins_at_a_minute_of_a_day(void) {
+    make_schedule();
+    site.schedule[1].from_min = 1439U;
+    expect_ok();
+    site.schedule[1].from_min = 1440U;
+    expect(ELMOPP_SITE_SCHEDULE, 1U, 0U);
+    site.schedule[1].from_min = 65535U;
+    expect(ELMOPP_SITE_SCHEDULE, 1U, 0U);
+}
+
+static void test_a_line_of_the_schedule_holds_on_a_weekday(void) {
+    make_schedule();
+    site.schedule[0].weekdays = 127U;
+    expect_ok();
+    site.schedule[0].weekdays = 128U;
+    expect(ELMOPP_SITE_SCHEDULE, 0U, 0U);
+    site.schedule[0].weekdays = 0U;
+    expect(ELMOPP_SITE_SCHEDULE, 0U, 0U);
+    site.schedule[0].weekdays = 1U;
+    expect_ok();
+}
+
+static void test_a_line_of_the_schedule_starts_a_programme_or_flashing(void) {
+    make_schedule();
+    site.schedule[2].program = 2U;
+    expect(ELMOPP_SITE_SCHEDULE, 2U, 0U);
+    site.schedule[2].program = ELMOPP_SCHEDULE_FLASH - 1U;
+    expect(ELMOPP_SITE_SCHEDULE, 2U, 0U);
+    site.schedule_count = 2U;
+    expect_ok();
+}
+
+static void test_a_special_day_follows_a_weekday(void) {
+    site.special_day_count = 2U;
+    site.special_day[1] = (elmopp_special_day_t){.day = 65535U, .weekday = 6U};
+    expect_ok();
+    site.special_day[1].weekday = 7U;
+    expect(ELMOPP_SITE_SPECIAL_DAY, 1U, 0U);
+    site.special_day[1].weekday = 255U;
+    expect(ELMOPP_SITE_SPECIAL_DAY, 1U, 0U);
+    site.special_day_count = 1U;
+    expect_ok();
+}
+
+static void break_everything(void) {
+    make_schedule();
+    site.special_day_count = 1U;
+    site.special_day[0].weekday = 7U;
+    site.schedule[0].weekdays = 0U;
+    site.program[0].step[0].green_ds = 0U;
+    site.red_bound_ds = 1U;
+    site.stage_groups[1] = 0U;
     site.conflict[0] = 0U;
     site.group[0].amber_ds = 0U;
+    site.rescue_stage[0] = 3U;
+    site.movement[0].lanes = 0U;
+    site.movement[0].approach = 3U;
+    site.movement[1].approach = 3U;
+    site.movement[2].approach = 3U;
+    site.first_stage = 77U;
     site.hold_min_s = 0U;
     site.name[0] = '\0';
     site.forecast = 200U;
+}
+
+static void test_the_first_fault_in_the_order_of_the_list_is_told(void) {
+    break_everything();
     expect(ELMOPP_SITE_COUNTS, 0U, 0U);
     site.forecast = 0U;
     expect(ELMOPP_SITE_NAME, 0U, 0U);
     site.name[0] = 'x';
     expect(ELMOPP_SITE_HOLD, 0U, 0U);
     site.hold_min_s = 1U;
+    expect(ELMOPP_SITE_START, 0U, 0U);
+    site.first_stage = 0U;
+    expect(ELMOPP_SITE_APPROACH, 3U, 0U);
+    site.movement[1].approach = 0U;
     expect(ELMOPP_SITE_MOVEMENT, 0U, 0U);
-    site.movement[0] = site.movement[1];
+    site.movement[0].lanes = 1U;
+    site.stage_groups[1] = 0x0002U; /* without it movement 1 is none */
+    expect(ELMOPP_SITE_RESCUE, 0U, 0U);
+    site.rescue_stage[0] = 0U;
     expect(ELMOPP_SITE_GROUP, 0U, 0U);
     site.group[0].amber_ds = 30U;
     expect(ELMOPP_SITE_CONFLICT, 0U, 1U);
     site.conflict[0] = 0x000EU;
-    expect(ELMOPP_SITE_STAGE, 0U, 0U);
+    expect(ELMOPP_SITE_RED_BOUND, 0U, 0U);
+    site.red_bound_ds = CROSS_RED_BOUND_DS;
+    expect(ELMOPP_SITE_PROGRAM, 0U, 0U);
+    site.program[0].step[0].green_ds = CROSS_MIN_GREEN_DS;
+    expect(ELMOPP_SITE_SCHEDULE, 0U, 0U);
+    site.schedule[0].weekdays = 1U;
+    expect(ELMOPP_SITE_SPECIAL_DAY, 0U, 0U);
+    site.special_day[0].weekday = 0U;
+    expect_ok();
 }
 
 int main(void) {
@@ -492,6 +913,11 @@ int main(void) {
     RUN_TEST(test_movement_count_is_1_to_24);
     RUN_TEST(test_group_count_is_1_to_16);
     RUN_TEST(test_stage_count_is_1_to_32);
+    RUN_TEST(test_tables_of_hours_have_no_more_rows_than_there_is_room_for);
+    RUN_TEST(test_the_first_stage_exists);
+    RUN_TEST(test_cameras_look_at_approaches_that_exist);
+    RUN_TEST(test_a_start_takes_ten_minutes_of_each_at_most);
+    RUN_TEST(test_detectors_may_have_any_limits);
     RUN_TEST(test_codes_are_known);
     RUN_TEST(test_greenshields_needs_a_free_flow_up_to_100);
     RUN_TEST(test_every_name_that_exists_ends_with_a_zero_and_is_not_empty);
@@ -504,10 +930,17 @@ int main(void) {
     RUN_TEST(test_a_movement_names_an_approach_that_exists);
     RUN_TEST(test_a_movement_names_groups_that_exist);
     RUN_TEST(test_a_movement_is_served_by_a_stage);
+    RUN_TEST(test_an_approach_has_3_movements_at_most);
+    RUN_TEST(test_a_movement_is_rescued_by_a_stage_that_serves_it);
+    RUN_TEST(test_one_of_a_movements_groups_is_no_rescue);
     RUN_TEST(test_a_street_has_3_to_6_seconds_of_amber);
     RUN_TEST(test_a_simulation_may_have_no_amber);
     RUN_TEST(test_a_street_has_5_seconds_of_green_a_simulation_1);
-    RUN_TEST(test_maximum_green_is_0_or_not_below_the_minimum);
+    RUN_TEST(test_maximum_green_is_not_below_the_minimum);
+    RUN_TEST(test_only_a_simulation_has_greens_without_a_maximum);
+    RUN_TEST(test_no_time_of_a_group_is_above_ten_minutes);
+    RUN_TEST(test_a_group_has_one_of_8_lamp_nodes);
+    RUN_TEST(test_a_group_flashes_amber_or_red_or_not_at_all);
     RUN_TEST(test_conflicts_are_symmetric);
     RUN_TEST(test_no_group_conflicts_with_itself);
     RUN_TEST(test_no_group_conflicts_with_one_that_does_not_exist);
@@ -515,6 +948,7 @@ int main(void) {
     RUN_TEST(test_a_simulation_too_has_an_intergreen_as_long_as_its_lamps);
     RUN_TEST(test_compatible_groups_have_no_intergreen);
     RUN_TEST(test_sums_of_lamps_do_not_wrap);
+    RUN_TEST(test_no_intergreen_is_above_ten_minutes);
     RUN_TEST(test_a_stage_is_not_empty);
     RUN_TEST(test_a_stage_names_groups_that_exist);
     RUN_TEST(test_no_stage_is_repeated);
@@ -523,6 +957,23 @@ int main(void) {
     RUN_TEST(test_every_stage_is_maximal);
     RUN_TEST(test_maximality_looks_at_every_group);
     RUN_TEST(test_a_changed_conflict_bit_of_a_shipped_site_is_found);
+    RUN_TEST(test_a_bound_on_red_leaves_time_for_a_change_to_every_rescue_stage_and_one_before);
+    RUN_TEST(test_a_rescue_stage_of_several_movements_counts_once);
+    RUN_TEST(test_rows_behind_the_last_movement_do_not_count_for_the_bound);
+    RUN_TEST(test_the_bound_counts_on_the_longest_green_and_clearance);
+    RUN_TEST(test_a_bound_on_red_is_ten_minutes_at_most);
+    RUN_TEST(test_the_least_bound_does_not_wrap);
+    RUN_TEST(test_only_a_simulation_has_no_bound_on_red);
+    RUN_TEST(test_only_a_simulation_has_no_programme);
+    RUN_TEST(test_a_programme_has_1_to_16_steps);
+    RUN_TEST(test_a_step_shows_a_stage_that_exists);
+    RUN_TEST(test_a_step_is_as_long_as_its_longest_minimum_green_and_ten_minutes_at_most);
+    RUN_TEST(test_a_programme_serves_every_movement);
+    RUN_TEST(test_a_simulations_programme_keeps_the_rules_too);
+    RUN_TEST(test_a_line_of_the_schedule_begins_at_a_minute_of_a_day);
+    RUN_TEST(test_a_line_of_the_schedule_holds_on_a_weekday);
+    RUN_TEST(test_a_line_of_the_schedule_starts_a_programme_or_flashing);
+    RUN_TEST(test_a_special_day_follows_a_weekday);
     RUN_TEST(test_the_first_fault_in_the_order_of_the_list_is_told);
     return UNITY_END();
 }

@@ -10,8 +10,10 @@
 
 #include <string.h>
 
-#define BODY_SIZE 1740U
+#define BODY_SIZE 2212U
 #define IMAGE_SIZE (16U + BODY_SIZE)
+#define BODY_SIZE_1 1740U
+#define VERSION 2U
 #define CANARY 0xA5
 
 static uint8_t image[IMAGE_SIZE + 1U];
@@ -21,7 +23,7 @@ void tearDown(void) {}
 
 static void write_image(const elmopp_junction_t *junction) {
     (void)memcpy(&image[16], junction, BODY_SIZE);
-    image_seal(image, "ELMS", BODY_SIZE);
+    image_seal(image, "ELMS", VERSION, BODY_SIZE);
 }
 
 void setUp(void) {
@@ -108,9 +110,29 @@ static void test_an_intact_image_of_a_bad_site_is_refused_with_its_indices(void)
     expect_out_unchanged();
 }
 
-static void test_an_image_of_the_next_version_is_refused(void) {
-    image_put_word(&image[4], ELMOPP_SITE_IMAGE_VERSION_NOW + 1U);
+static void test_an_intact_image_with_bad_hours_is_refused_with_its_indices(void) {
+    elmopp_junction_t bad = elmopp_site_four_way;
+    bad.schedule[3].program = bad.program_count;
+    write_image(&bad);
+    const elmopp_site_verdict_t verdict = elmopp_site_load(image, IMAGE_SIZE, &out);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_SCHEDULE, verdict.fault);
+    TEST_ASSERT_EQUAL_UINT8(3U, verdict.first);
+    expect_out_unchanged();
+}
+
+static void test_an_image_of_another_version_is_refused(void) {
+    TEST_ASSERT_EQUAL_UINT32(VERSION, ELMOPP_SITE_IMAGE_VERSION_NOW);
+    image_put_word(&image[4], VERSION + 1U);
     expect_refused(ELMOPP_SITE_IMAGE_VERSION);
+    image_put_word(&image[4], VERSION - 1U);
+    expect_refused(ELMOPP_SITE_IMAGE_VERSION);
+}
+
+/* Before there were programmes the body was shorter. */
+static void test_an_image_of_version_1_is_refused_for_its_version(void) {
+    image_seal(image, "ELMS", 1U, BODY_SIZE_1);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_IMAGE_VERSION, elmopp_site_load(image, 16U + BODY_SIZE_1, &out).fault);
+    expect_out_unchanged();
 }
 
 static void test_an_image_may_lie_at_any_address(void) {
@@ -129,7 +151,9 @@ int main(void) {
     RUN_TEST(test_one_byte_more_is_refused);
     RUN_TEST(test_a_length_word_that_agrees_with_a_wrong_length_is_refused);
     RUN_TEST(test_an_intact_image_of_a_bad_site_is_refused_with_its_indices);
-    RUN_TEST(test_an_image_of_the_next_version_is_refused);
+    RUN_TEST(test_an_intact_image_with_bad_hours_is_refused_with_its_indices);
+    RUN_TEST(test_an_image_of_another_version_is_refused);
+    RUN_TEST(test_an_image_of_version_1_is_refused_for_its_version);
     RUN_TEST(test_an_image_may_lie_at_any_address);
     return UNITY_END();
 }

@@ -24,7 +24,7 @@ static elmopp_weights_t canary;
 void tearDown(void) {}
 
 static void seal(void) {
-    image_seal(image, "ELMW", BODY_SIZE);
+    image_seal(image, "ELMW", 1U, BODY_SIZE);
 }
 
 static void write_image(const elmopp_weights_t *weights) {

@@ -4,136 +4,525 @@
 #include "elmopp/controller.h"
 
 #include "elmopp/assert.h"
+#include "elmopp/image.h"
 #include "elmopp/site.h"
+
+#include "elmopp_can.h"
 
 #include <stddef.h>
 
-#define COUNT_MAX_VEH 1.0e6F
-#define ALL_MOVEMENTS (((uint32_t)1U << ELMOPP_MOVEMENT_MAX) - 1U)
+#define MS_PER_DS 100U
+#define DS_PER_S 10U
+#define WATCH_BYTES 64U /* a tick's share of the continuous checksums */
+#define EARLIEST_MS 50U /* between two ticks */
+#define WEIGHTS_ID_MASK 0x0FFFU
+#define FLASHES 3U
+#define FORESIGHTS 5U
 
-void elmopp_controller_init(elmopp_controller_t *self, const elmopp_junction_t *junction,
-                            const elmopp_chooser_t *chooser, const elmopp_forecast_config_t *forecast) {
-    ELMOPP_ASSERT(elmopp_site_check_counts(junction).fault == ELMOPP_SITE_OK);
-    ELMOPP_ASSERT((chooser->choose != NULL) && (chooser->horizon_s <= ELMOPP_HORIZON_MAX));
-    *self = (elmopp_controller_t){.junction = junction, .chooser = *chooser, .wanted = ELMOPP_STAGE_NONE};
-    elmopp_forecast_init(&self->forecast, junction, forecast);
-    elmopp_plan_init(&self->plan, junction);
+/* Time-outs are multiples of the DBC's cycle times. Feedback comes with every tick, is a tick old when it is looked at,
+   and may be missing for as long as it takes to lose three. */
+#define CYCLES_LOST 3U
+#define CAMERA_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_DETECTOR_COUNTS_CYCLE_TIME_MS) / MS_PER_DS)
+#define FEEDBACK_TIMEOUT_DS (((CYCLES_LOST * ELMOPP_CAN_LAMP_FEEDBACK_CYCLE_TIME_MS) / MS_PER_DS) + 2U)
+#define COMMAND_TIMEOUT_DS 100U /* a person; after a pause any counter is good */
+
+/* --- continuous diagnosis --- */
+
+static elmopp_watch_t watch_over(const uint8_t *bytes, uint32_t length) {
+    const uint32_t sum = (bytes == NULL) ? 0U : elmopp_image_sum(ELMOPP_IMAGE_SUM_START, bytes, length);
+    return (elmopp_watch_t){.bytes = bytes, .length = length, .at = 0U, .sum = ELMOPP_IMAGE_SUM_START, .expected = sum};
 }
 
-void elmopp_controller_absorb(elmopp_controller_t *self, const float *arrived_veh) {
-    elmopp_forecast_observe(&self->forecast, arrived_veh);
-}
-
-/* False for a NaN too. */
-static bool is_count(float value_veh) {
-    return (value_veh >= 0.0F) && (value_veh <= COUNT_MAX_VEH);
-}
-
-static bool are_counts(const elmopp_controller_t *self, const elmopp_counts_t *counts) {
-    bool good = true;
-    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        good = good && is_count(counts->present_veh[j]) && is_count(counts->arrived_veh[j]);
+/* A piece more; false when the whole has been summed up and is no longer what it was. */
+static bool is_unchanged(elmopp_watch_t *watch) {
+    if (watch->bytes == NULL) {
+        return true;
     }
-    return good;
+    const uint32_t left = watch->length - watch->at;
+    const uint32_t piece = (left < WATCH_BYTES) ? left : WATCH_BYTES;
+    watch->sum = elmopp_image_sum(watch->sum, &watch->bytes[watch->at], piece);
+    watch->at += piece;
+    const bool whole = watch->at == watch->length;
+    const bool same = (!whole) || (watch->sum == watch->expected);
+    watch->at = whole ? 0U : watch->at;
+    watch->sum = whole ? ELMOPP_IMAGE_SUM_START : watch->sum;
+    return same;
 }
 
-static uint32_t waiting_movements(const elmopp_controller_t *self, const float *present_veh) {
-    uint32_t waiting = 0U;
-    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        if ((!elmopp_mask_has(self->going, j)) && (present_veh[j] >= ELMOPP_CONTROLLER_DEMAND_VEH)) {
-            waiting |= (uint32_t)1U << j;
-        }
-    }
-    return waiting;
-}
-
-/* Only a network can go astray on traffic that it was not made for; what it gives way to is the mean. */
-static bool is_distrusted(const elmopp_forecast_t *forecast) {
-    const elmopp_account_error_t error = elmopp_forecast_error(forecast);
-    return elmopp_forecast_is_network(forecast) && (error.forecast > error.mean) &&
-           (error.compared_s >= ELMOPP_CONTROLLER_ACCOUNT_MIN_S);
-}
-
-/* The forecast's own rows. Also when they are not used: the account has to go on. */
-static void look_for_itself(elmopp_controller_t *self, elmopp_view_t *view) {
-    const uint16_t asked_s = self->chooser.horizon_s;
-    const uint16_t steps = (asked_s > ELMOPP_CONTROLLER_TRACE_S) ? asked_s : (uint16_t)ELMOPP_CONTROLLER_TRACE_S;
-    view->foreseen_steps = elmopp_forecast_look(&self->forecast, steps, view->foreseen_veh);
-    const elmopp_forecast_status_t status = elmopp_forecast_status(&self->forecast);
-    self->foresight = ELMOPP_FORESIGHT_OWN;
-    if (status == ELMOPP_FORECAST_UNARMED) {
-        self->foresight = ELMOPP_FORESIGHT_UNARMED;
-    } else if (status == ELMOPP_FORECAST_COLD) {
-        self->foresight = ELMOPP_FORESIGHT_COLD;
-    } else if (is_distrusted(&self->forecast)) {
-        self->foresight = ELMOPP_FORESIGHT_DISTRUSTED;
-        view->foreseen_steps = elmopp_forecast_fall_back(&self->forecast, steps, view->foreseen_veh);
-    } else {
-        /* as asked */
+static void raise_fault(elmopp_controller_t *self, elmopp_fault_t fault, uint32_t group) {
+    if (self->fault == ELMOPP_FAULT_NONE) {
+        self->fault = fault;
+        self->fault_group = (uint8_t)group;
     }
 }
 
-static void look_ahead(elmopp_controller_t *self, const elmopp_foreseen_t *foreseen, elmopp_view_t *view) {
-    if (foreseen != NULL) {
-        ELMOPP_ASSERT(foreseen->steps <= ELMOPP_HORIZON_MAX);
-        self->foresight = ELMOPP_FORESIGHT_GIVEN;
-        view->foreseen_steps = foreseen->steps;
-        for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-            view->foreseen_veh[i] = foreseen->row_veh[i];
-        }
-    } else {
-        look_for_itself(self, view);
+static void diagnose(elmopp_controller_t *self) {
+    if (!is_unchanged(&self->site_watch)) {
+        raise_fault(self, ELMOPP_FAULT_SITE_CHANGED, ELMOPP_FAULT_NO_GROUP);
     }
-    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-        self->foreseen_sum_veh[i] = 0.0F;
-        for (uint32_t t = 0U; (t < view->foreseen_steps) && (t < ELMOPP_CONTROLLER_TRACE_S); t++) {
-            self->foreseen_sum_veh[i] += view->foreseen_veh[i][t];
-        }
+    if (!is_unchanged(&self->weights_watch)) {
+        raise_fault(self, ELMOPP_FAULT_WEIGHTS_CHANGED, ELMOPP_FAULT_NO_GROUP);
     }
 }
 
-bool elmopp_controller_step(elmopp_controller_t *self, const elmopp_counts_t *counts,
-                            const elmopp_foreseen_t *foreseen) {
-    if (!are_counts(self, counts)) {
-        /* Blind: somebody may wait everywhere, so that the maximum greens at least keep the stages turning. */
-        self->waiting = ALL_MOVEMENTS & ~self->going;
-        return false;
+/* --- set-up --- */
+
+static uint8_t nodes_of(const elmopp_junction_t *junction) {
+    uint8_t nodes = 0U;
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        nodes |= (uint8_t)((uint32_t)1U << junction->group[g].node);
     }
-    elmopp_forecast_observe(&self->forecast, counts->arrived_veh);
-    self->waiting = waiting_movements(self, counts->present_veh);
-    elmopp_view_t view = {.junction = self->junction,
-                          .queue_veh = counts->present_veh,
-                          .arrivals_veh = counts->arrived_veh,
-                          .share = elmopp_forecast_share(&self->forecast),
-                          .red_ds = self->red_ds,
-                          .going = self->going,
-                          .elapsed_ds = self->plan.elapsed_ds,
-                          .stage = self->plan.stage,
-                          .target = self->plan.target};
-    look_ahead(self, foreseen, &view);
-    const elmopp_stage_t answer = self->chooser.choose(self->chooser.state, &view, self->score);
-    ELMOPP_ASSERT(answer < self->junction->stage_count);
-    /* In an intergreen the plan has committed itself; an answer kept for later would be a second old when it counts. */
-    const bool committed = self->plan.stage != self->plan.target;
-    self->wanted = committed ? self->plan.target : answer;
+    return nodes;
+}
+
+static void init_bus(elmopp_bus_t *bus, const elmopp_junction_t *junction) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        elmopp_link_init(&bus->camera[i]);
+    }
+    for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
+        elmopp_link_init(&bus->node[n]);
+    }
+    elmopp_link_init(&bus->command);
+    bus->used_nodes = nodes_of(junction);
+}
+
+void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_config_t *config) {
+    const elmopp_junction_t *junction = config->junction;
+    ELMOPP_ASSERT(elmopp_site_check(junction).fault == ELMOPP_SITE_OK);
+    *self = (elmopp_controller_t){.junction = junction, .mode = ELMOPP_MODE_STARTING, .wish = ELMOPP_WISH_RUN};
+    elmopp_pilot_init(&self->pilot, junction, &config->chooser, &config->forecast);
+    elmopp_monitor_init(&self->monitor, junction);
+    elmopp_detector_init(&self->detector, junction);
+    init_bus(&self->bus, junction);
+    self->site_watch = watch_over((const uint8_t *)junction, (uint32_t)sizeof *junction);
+    self->weights_watch =
+        watch_over((const uint8_t *)config->forecast.weights, (uint32_t)sizeof *config->forecast.weights);
+    self->weights_id = (uint16_t)(self->weights_watch.expected & WEIGHTS_ID_MASK);
+    self->told_ds = UINT8_MAX;
+}
+
+void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault) {
+    raise_fault(self, fault, ELMOPP_FAULT_NO_GROUP);
+}
+
+void elmopp_controller_hold_reset(elmopp_controller_t *self, bool held) {
+    self->reset_held = held;
+    self->clear_ds = held ? self->clear_ds : 0U;
+}
+
+/* --- commands --- */
+
+/* Never back to where it was: whatever was asked for before has to be asked for again. */
+static void clear_fault(elmopp_controller_t *self) {
+    self->fault = ELMOPP_FAULT_NONE;
+    self->fault_group = ELMOPP_FAULT_NO_GROUP;
+    self->clear_ds = 0U;
+    self->cleared = true;
+    self->wish = ELMOPP_WISH_RUN;
+    elmopp_monitor_init(&self->monitor, self->junction);
+}
+
+static bool names_the_fault(const elmopp_controller_t *self, uint32_t argument) {
+    return self->reset_held && (self->fault != ELMOPP_FAULT_NONE) && (argument == (uint32_t)self->fault);
+}
+
+static bool wish_for(elmopp_controller_t *self, elmopp_wish_t wish) {
+    self->wish = wish;
     return true;
 }
 
-elmopp_lamps_t elmopp_controller_lamp_tick(elmopp_controller_t *self) {
-    const elmopp_waiting_t waiting = {.movements = self->waiting & ~self->going, .red_ds = self->red_ds};
-    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, self->wanted, &waiting);
-    if (self->plan.forced) {
-        self->wanted = self->plan.target; /* the wish is older than the force */
+static bool obey(elmopp_controller_t *self, elmopp_request_t request, uint32_t argument) {
+    bool obeyed = false;
+    switch (request) {
+    case ELMOPP_REQUEST_SET_WALL_TIME:
+        self->wall_s = argument;
+        self->wall_ds = 0U;
+        self->wall_known = true;
+        obeyed = true;
+        break;
+    case ELMOPP_REQUEST_RUN:
+        obeyed = wish_for(self, ELMOPP_WISH_RUN);
+        break;
+    case ELMOPP_REQUEST_FIXED_TIME:
+        obeyed = wish_for(self, ELMOPP_WISH_FIXED_TIME);
+        break;
+    case ELMOPP_REQUEST_MANUAL:
+        if (argument < self->junction->stage_count) {
+            self->manual_stage = (elmopp_stage_t)argument;
+            obeyed = wish_for(self, ELMOPP_WISH_MANUAL);
+        }
+        break;
+    case ELMOPP_REQUEST_ALL_RED:
+        obeyed = wish_for(self, ELMOPP_WISH_ALL_RED);
+        break;
+    case ELMOPP_REQUEST_FLASHING:
+        obeyed = wish_for(self, ELMOPP_WISH_FLASHING);
+        break;
+    case ELMOPP_REQUEST_DARK:
+        obeyed = wish_for(self, ELMOPP_WISH_DARK);
+        break;
+    case ELMOPP_REQUEST_CLEAR_FAULT_PREPARE:
+        obeyed = names_the_fault(self, argument);
+        self->clear_ds = obeyed ? (uint16_t)ELMOPP_CONTROLLER_CLEAR_DS : (uint16_t)0U;
+        break;
+    case ELMOPP_REQUEST_CLEAR_FAULT_CONFIRM:
+        obeyed = names_the_fault(self, argument) && (self->clear_ds > 0U);
+        if (obeyed) {
+            clear_fault(self);
+        }
+        break;
+    case ELMOPP_REQUEST_NONE:
+    default:
+        obeyed = false;
+        break;
     }
-    self->going = elmopp_junction_served(self->junction, lamps.green);
-    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        if (elmopp_mask_has(self->going, j)) {
-            self->red_ds[j] = 0U;
-        } else if ((self->plan.target != ELMOPP_STAGE_NONE) && (self->red_ds[j] < UINT16_MAX)) {
-            self->red_ds[j]++;
-        } else {
-            /* saturated, or nothing has been decided yet */
+    return obeyed;
+}
+
+/* --- frames in --- */
+
+static bool is_believed(elmopp_link_t *link, const elmopp_frame_t *frame, uint16_t timeout_ds) {
+    return elmopp_link_take(link, frame, frame->id, timeout_ds) == ELMOPP_LINK_OK;
+}
+
+/* A mask with one bit taken from another. */
+static uint16_t with_bit_of(uint32_t mask, uint32_t other, uint32_t g) {
+    const uint32_t bit = (uint32_t)1U << g;
+    return (uint16_t)((mask & ~bit) | (other & bit));
+}
+
+static void take_feedback(elmopp_controller_t *self, uint32_t node, const elmopp_frame_t *frame) {
+    const elmopp_feedback_t feedback = elmopp_frames_feedback(frame);
+    for (uint32_t g = 0U; g < self->junction->group_count; g++) {
+        if (self->junction->group[g].node == node) {
+            elmopp_lamps_t *all = &self->bus.measured;
+            all->red = with_bit_of(all->red, feedback.lamps.red, g);
+            all->amber = with_bit_of(all->amber, feedback.lamps.amber, g);
+            all->green = with_bit_of(all->green, feedback.lamps.green, g);
         }
     }
+    const bool unwell = feedback.lamp_fault || feedback.own_fail_safe;
+    self->bus.unwell_nodes = (uint8_t)with_bit_of(self->bus.unwell_nodes, unwell ? UINT32_MAX : 0U, node);
+}
+
+static void take_counts(elmopp_controller_t *self, uint32_t approach, const elmopp_frame_t *frame) {
+    elmopp_detector_report_t report[ELMOPP_APPROACH_MOVEMENT_MAX];
+    const uint8_t reason = elmopp_frames_counts(frame, report);
+    elmopp_detector_take(&self->detector, approach, report, reason);
+}
+
+static bool take_command(elmopp_controller_t *self, const elmopp_frame_t *frame) {
+    uint32_t argument = 0U;
+    const elmopp_request_t request = elmopp_frames_command(frame, &argument);
+    return obey(self, request, argument);
+}
+
+bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *frame) {
+    const uint32_t approach = (uint32_t)frame->id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID;
+    const uint32_t node = (uint32_t)frame->id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
+    bool ours = true;
+    bool taken = false;
+    if ((approach < ELMOPP_APPROACH_MAX) && elmopp_mask_has(self->junction->cameras, approach)) {
+        taken = is_believed(&self->bus.camera[approach], frame, CAMERA_TIMEOUT_DS);
+        if (taken) {
+            take_counts(self, approach, frame);
+        }
+    } else if ((node < ELMOPP_NODE_MAX) && elmopp_mask_has(self->bus.used_nodes, node)) {
+        taken = is_believed(&self->bus.node[node], frame, FEEDBACK_TIMEOUT_DS);
+        if (taken) {
+            take_feedback(self, node, frame);
+        }
+    } else if (frame->id == ELMOPP_CAN_COMMAND_FRAME_ID) {
+        taken = is_believed(&self->bus.command, frame, COMMAND_TIMEOUT_DS) && take_command(self, frame);
+    } else {
+        ours = false;
+    }
+    if (ours && (!taken)) {
+        self->bus.refused = (uint8_t)((self->bus.refused + 1U) & UINT8_MAX);
+    }
+    return taken;
+}
+
+/* --- time --- */
+
+/* True if a tick is due; it is then done. Differences of unsigned milliseconds survive the wrap. */
+static bool take_time(elmopp_controller_t *self, elmopp_ms_t now_ms) {
+    const uint32_t since_ms = now_ms - self->last_ms;
+    const uint32_t ahead_ms = self->due_ms - now_ms;
+    const bool jumped = self->ticking && (since_ms > ELMOPP_CONTROLLER_LATE_MS);
+    const bool early = (ahead_ms > EARLIEST_MS) && (ahead_ms <= ELMOPP_CONTROLLER_LATE_MS);
+    if (jumped) {
+        raise_fault(self, ELMOPP_FAULT_CLOCK, ELMOPP_FAULT_NO_GROUP);
+    } else if (self->ticking && ((since_ms < EARLIEST_MS) || early)) {
+        return false;
+    } else {
+        /* due */
+    }
+    const uint32_t late_ms = now_ms - self->due_ms;
+    const bool on_grid = self->ticking && (!jumped);
+    const bool lags = on_grid && (late_ms <= ELMOPP_CONTROLLER_LATE_MS);
+    const uint32_t late_ticks = late_ms / ELMOPP_CONTROLLER_TICK_MS;
+    const uint32_t lost = lags ? late_ticks : 0U;
+    const uint32_t from_ms = on_grid ? self->due_ms : now_ms;
+    self->due_ms = from_ms + ((lost + 1U) * ELMOPP_CONTROLLER_TICK_MS);
+    self->last_ms = now_ms;
+    self->ticking = true;
+    return true;
+}
+
+static void age_links(elmopp_bus_t *bus) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        elmopp_link_tick(&bus->camera[i]);
+    }
+    for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
+        elmopp_link_tick(&bus->node[n]);
+    }
+    elmopp_link_tick(&bus->command);
+}
+
+static void age(elmopp_controller_t *self) {
+    age_links(&self->bus);
+    self->clear_ds = (self->clear_ds > 0U) ? (uint16_t)(self->clear_ds - 1U) : (uint16_t)0U;
+    self->mode_ds = (self->mode_ds < UINT16_MAX) ? (uint16_t)(self->mode_ds + 1U) : self->mode_ds;
+    self->told_ds = (self->told_ds < UINT8_MAX) ? (uint8_t)(self->told_ds + 1U) : self->told_ds;
+    self->wall_ds++;
+    if (self->wall_ds >= DS_PER_S) {
+        self->wall_ds = 0U;
+        self->wall_s++;
+    }
+}
+
+/* --- decisions, once a second --- */
+
+static void every_second(elmopp_controller_t *self) {
+    elmopp_detector_second(&self->detector);
+    elmopp_detector_counts(&self->detector, self->pilot.red_ds, self->present_veh, self->arrived_veh);
+    const elmopp_counts_t counts = {
+        .present_veh = self->present_veh, .arrived_veh = self->arrived_veh, .recall = ~self->detector.trusted};
+    (void)elmopp_pilot_step(&self->pilot, &counts, NULL);
+    self->program = self->wall_known ? elmopp_timetable_program(self->junction, self->wall_s) : (uint8_t)0U;
+}
+
+/* --- modes --- */
+
+static uint16_t fresh_groups(const elmopp_controller_t *self) {
+    uint16_t fresh = 0U;
+    for (uint32_t g = 0U; g < self->junction->group_count; g++) {
+        if (elmopp_link_fresh(&self->bus.node[self->junction->group[g].node], FEEDBACK_TIMEOUT_DS)) {
+            fresh |= (uint16_t)((uint32_t)1U << g);
+        }
+    }
+    return fresh;
+}
+
+/* Every node reports, is well, and shows nothing but what flashes. */
+static bool lamps_read_back(const elmopp_controller_t *self) {
+    const uint32_t all = ((uint32_t)1U << self->junction->group_count) - 1U;
+    const elmopp_lamps_t *shown = &self->bus.measured;
+    const uint32_t strange = ((uint32_t)shown->red & ~(uint32_t)self->lamps.red) |
+                             ((uint32_t)shown->amber & ~(uint32_t)self->lamps.amber) | shown->green;
+    return (fresh_groups(self) == all) && (self->bus.unwell_nodes == 0U) && (strange == 0U);
+}
+
+static uint32_t group_of_nodes(const elmopp_junction_t *junction, uint8_t nodes) {
+    uint32_t found = 0U;
+    for (uint32_t g = junction->group_count; g > 0U; g--) {
+        const uint32_t lower = g - 1U;
+        found = elmopp_mask_has(nodes, junction->group[lower].node) ? lower : found;
+    }
+    return found;
+}
+
+static void test_lamps(elmopp_controller_t *self) {
+    if (self->mode == ELMOPP_MODE_STARTING) {
+        self->test_ds = lamps_read_back(self) ? (uint16_t)(self->test_ds + 1U) : (uint16_t)0U;
+        if (self->mode_ds >= ELMOPP_CONTROLLER_SELF_TEST_DS) {
+            raise_fault(self, ELMOPP_FAULT_SELF_TEST, ELMOPP_FAULT_NO_GROUP);
+        }
+    } else if ((self->mode != ELMOPP_MODE_FAIL_SAFE) && (self->bus.unwell_nodes != 0U)) {
+        raise_fault(self, ELMOPP_FAULT_LAMP_NODE, group_of_nodes(self->junction, self->bus.unwell_nodes));
+    } else {
+        /* nothing to test */
+    }
+}
+
+static elmopp_mode_input_t mode_input(const elmopp_controller_t *self) {
+    const elmopp_plan_t *plan = &self->pilot.plan;
+    return (elmopp_mode_input_t){.wish = self->wish,
+                                 .fault = self->fault != ELMOPP_FAULT_NONE,
+                                 .cleared = self->cleared,
+                                 .tested = self->test_ds >= ELMOPP_CONTROLLER_TEST_GOOD_DS,
+                                 .sighted = self->detector.trusted != 0U,
+                                 .night = self->wall_known && (self->program == (uint8_t)ELMOPP_SCHEDULE_FLASH),
+                                 .all_red = plan->settled && (plan->target == ELMOPP_STAGE_NONE),
+                                 .settled = plan->stage != ELMOPP_STAGE_NONE,
+                                 .age_ds = self->mode_ds,
+                                 .flash_ds = self->junction->start_flash_ds,
+                                 .red_ds = self->junction->start_red_ds};
+}
+
+static void change_mode(elmopp_controller_t *self) {
+    const elmopp_mode_input_t input = mode_input(self);
+    const elmopp_mode_t next = elmopp_mode_next(self->mode, &input);
+    self->cleared = false;
+    if (next != self->mode) {
+        self->mode = next;
+        self->mode_ds = 0U;
+        if (next == ELMOPP_MODE_STARTING) {
+            self->test_ds = 0U;
+        }
+        if (next == ELMOPP_MODE_START_RED) {
+            elmopp_pilot_restart(&self->pilot);
+        }
+    }
+}
+
+/* --- lamps --- */
+
+static elmopp_stage_t wanted_stage(elmopp_controller_t *self) {
+    const elmopp_plan_t *plan = &self->pilot.plan;
+    elmopp_stage_t wanted = ELMOPP_STAGE_RED;
+    switch (self->mode) {
+    case ELMOPP_MODE_FIRST_STAGE:
+        wanted = self->junction->first_stage;
+        break;
+    case ELMOPP_MODE_AUTOMATIC:
+        wanted = self->pilot.wanted;
+        break;
+    case ELMOPP_MODE_FIXED_TIME:
+        wanted = elmopp_timetable_wish(&self->timetable, self->junction, self->program, plan->stage, plan->elapsed_ds);
+        break;
+    case ELMOPP_MODE_MANUAL:
+        wanted = self->manual_stage;
+        break;
+    case ELMOPP_MODE_STARTING:
+    case ELMOPP_MODE_START_FLASH:
+    case ELMOPP_MODE_START_RED:
+    case ELMOPP_MODE_ALL_RED:
+    case ELMOPP_MODE_FLASHING:
+    case ELMOPP_MODE_DARK:
+    case ELMOPP_MODE_FAIL_SAFE:
+    case ELMOPP_MODE_COUNT:
+    default:
+        wanted = ELMOPP_STAGE_RED;
+        break;
+    }
+    return wanted;
+}
+
+static elmopp_lamps_t flashing(const elmopp_junction_t *junction) {
+    static const elmopp_aspect_t aspects[FLASHES] = {[ELMOPP_FLASH_AMBER] = ELMOPP_ASPECT_FLASH_AMBER,
+                                                     [ELMOPP_FLASH_RED] = ELMOPP_ASPECT_FLASH_RED,
+                                                     [ELMOPP_FLASH_DARK] = ELMOPP_ASPECT_DARK};
+    elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        elmopp_lamps_show(&lamps, g, aspects[junction->group[g].flash]);
+    }
     return lamps;
+}
+
+static elmopp_lamps_t lamps_of_mode(elmopp_controller_t *self) {
+    elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
+    if (elmopp_mode_is_steady(self->mode)) {
+        lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted_stage(self));
+    } else if (self->mode != ELMOPP_MODE_DARK) {
+        lamps = flashing(self->junction);
+    } else {
+        /* nothing burns */
+    }
+    return lamps;
+}
+
+/* What the monitor does not pass is never driven. */
+static elmopp_lamps_t judged(elmopp_controller_t *self, const elmopp_lamps_t *lamps) {
+    const elmopp_monitor_input_t input = {
+        .command = *lamps, .measured = self->bus.measured, .fresh = fresh_groups(self), .mode = self->mode};
+    if ((self->mode != ELMOPP_MODE_FAIL_SAFE) && (elmopp_monitor_check(&self->monitor, &input) != ELMOPP_FAULT_NONE)) {
+        raise_fault(self, self->monitor.first, self->monitor.first_group);
+        self->mode = ELMOPP_MODE_FAIL_SAFE;
+        self->mode_ds = 0U;
+    }
+    return (self->mode == ELMOPP_MODE_FAIL_SAFE) ? flashing(self->junction) : *lamps;
+}
+
+/* --- frames out --- */
+
+static uint8_t model_of(const elmopp_controller_t *self) {
+    static const uint8_t models[FORESIGHTS] = {[ELMOPP_FORESIGHT_OWN] = 0U,
+                                               [ELMOPP_FORESIGHT_GIVEN] = (uint8_t)ELMOPP_MODEL_GIVEN,
+                                               [ELMOPP_FORESIGHT_COLD] = (uint8_t)ELMOPP_MODEL_COLD,
+                                               [ELMOPP_FORESIGHT_UNARMED] = (uint8_t)ELMOPP_MODEL_UNARMED,
+                                               [ELMOPP_FORESIGHT_DISTRUSTED] = (uint8_t)ELMOPP_MODEL_DISTRUSTED};
+    return (self->pilot.foresight == ELMOPP_FORESIGHT_OWN) ? self->pilot.forecast.config.kind
+                                                           : models[self->pilot.foresight];
+}
+
+static elmopp_outlook_t outlook_on(const elmopp_controller_t *self, uint32_t approach) {
+    const elmopp_account_error_t error = elmopp_forecast_error(&self->pilot.forecast);
+    return (elmopp_outlook_t){.model = model_of(self),
+                              .next10_veh = self->pilot.soon_veh[0][approach],
+                              .next30_veh = self->pilot.soon_veh[1][approach],
+                              .next60_veh = self->pilot.foreseen_sum_veh[approach],
+                              .error = error.forecast};
+}
+
+static elmopp_status_t status_of(const elmopp_controller_t *self) {
+    return (elmopp_status_t){.mode = self->mode,
+                             .stage = elmopp_mode_is_steady(self->mode) ? self->pilot.plan.stage
+                                                                        : (elmopp_stage_t)ELMOPP_STAGE_NONE,
+                             .elapsed_ds = self->pilot.plan.elapsed_ds,
+                             .fault = self->fault,
+                             .fault_group = self->fault_group,
+                             .weights_id = self->weights_id,
+                             .refused = self->bus.refused};
+}
+
+static bool is_news(const elmopp_controller_t *self, const elmopp_status_t *status) {
+    const bool changed =
+        (status->mode != self->told.mode) || (status->stage != self->told.stage) || (status->fault != self->told.fault);
+    return changed || (self->told_ds >= DS_PER_S);
+}
+
+static uint32_t send(elmopp_controller_t *self, bool decided, elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK]) {
+    uint32_t count = 0U;
+    const bool fail_safe = self->mode == ELMOPP_MODE_FAIL_SAFE;
+    out[count] = elmopp_frames_lamp_command(&self->lamps, fail_safe, self->mode == ELMOPP_MODE_DARK);
+    elmopp_link_seal(&out[count], &self->bus.lamp_counter);
+    count++;
+    const elmopp_status_t status = status_of(self);
+    if (is_news(self, &status)) {
+        out[count] = elmopp_frames_status(&status);
+        elmopp_link_seal(&out[count], &self->bus.status_counter);
+        count++;
+        self->told = status;
+        self->told_ds = 0U;
+    }
+    for (uint32_t i = 0U; decided && (i < self->junction->approach_count); i++) {
+        const elmopp_outlook_t outlook = outlook_on(self, i);
+        out[count] = elmopp_frames_forecast(i, &outlook);
+        elmopp_link_seal(&out[count], &self->bus.forecast_counter[i]);
+        count++;
+    }
+    return count;
+}
+
+/* --- a tick --- */
+
+uint32_t elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms,
+                                elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK]) {
+    if (!take_time(self, now_ms)) {
+        return 0U;
+    }
+    const bool decides = self->second_ds == 0U;
+    self->second_ds = (uint8_t)((self->second_ds + 1U) % DS_PER_S);
+    age(self);
+    if (decides) {
+        every_second(self);
+    }
+    diagnose(self);
+    test_lamps(self);
+    change_mode(self);
+    const elmopp_lamps_t lamps = lamps_of_mode(self);
+    self->lamps = judged(self, &lamps);
+    return send(self, decides, out);
 }

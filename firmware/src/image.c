@@ -6,15 +6,15 @@
 #include <stdbool.h>
 #include <string.h>
 
-static uint32_t crc32(const uint8_t *bytes, uint32_t length) {
-    uint32_t crc = 0xFFFFFFFFU;
+uint32_t elmopp_image_sum(uint32_t sum, const uint8_t *bytes, uint32_t length) {
+    uint32_t crc = sum;
     for (uint32_t i = 0U; i < length; i++) {
         crc ^= bytes[i];
         for (uint32_t k = 0U; k < 8U; k++) {
             crc = ((crc & 1U) != 0U) ? ((crc >> 1U) ^ 0xEDB88320U) : (crc >> 1U);
         }
     }
-    return ~crc;
+    return crc;
 }
 
 static uint32_t word_at(const uint8_t *bytes) {
@@ -31,6 +31,7 @@ elmopp_image_fault_t elmopp_image_check(const elmopp_image_kind_t *kind, const u
     if ((word_at(&image[8]) != kind->body_bytes) || (length != (ELMOPP_IMAGE_HEADER + kind->body_bytes))) {
         return ELMOPP_IMAGE_LENGTH;
     }
-    const bool intact = word_at(&image[12]) == crc32(&image[ELMOPP_IMAGE_HEADER], kind->body_bytes);
+    const bool intact =
+        word_at(&image[12]) == ~elmopp_image_sum(ELMOPP_IMAGE_SUM_START, &image[ELMOPP_IMAGE_HEADER], kind->body_bytes);
     return intact ? ELMOPP_IMAGE_OK : ELMOPP_IMAGE_CRC;
 }

@@ -52,3 +52,23 @@ uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t grou
     }
     return served;
 }
+
+/* The tick in which a change is asked for, and the one in which it is seen to be over. */
+#define CHANGE_TICKS 2U
+
+static uint32_t longer(uint32_t one, uint32_t other) {
+    return (one > other) ? one : other;
+}
+
+uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction) {
+    uint32_t green_ds = 0U;
+    uint32_t clearance_ds = 0U;
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        green_ds = longer(green_ds, junction->group[g].min_green_ds);
+        clearance_ds = longer(clearance_ds, junction->group[g].amber_ds);
+        for (uint32_t h = 0U; h < junction->group_count; h++) {
+            clearance_ds = longer(clearance_ds, junction->intergreen_ds[g][h]);
+        }
+    }
+    return green_ds + clearance_ds + CHANGE_TICKS;
+}

@@ -12,6 +12,9 @@
 #define STREET_GREEN_MIN_DS 50U
 #define VEHICLES_MAX 1.0e6F
 #define REACH_MAX_M 1.0e5F
+#define MINUTES_PER_DAY 1440U
+#define ALL_WEEKDAYS 0x7FU
+#define SUNDAY 6U
 
 static const elmopp_site_verdict_t ok = {ELMOPP_SITE_OK, 0U, 0U};
 
@@ -50,11 +53,25 @@ static bool count_fits(uint8_t count, uint32_t bound) {
     return (count >= 1U) && (count <= bound);
 }
 
+static bool time_fits(uint16_t time_ds) {
+    return time_ds <= ELMOPP_SITE_TIME_MAX_DS;
+}
+
+static bool counts_fit(const elmopp_junction_t *junction) {
+    return count_fits(junction->approach_count, ELMOPP_APPROACH_MAX) &&
+           count_fits(junction->movement_count, ELMOPP_MOVEMENT_MAX) &&
+           count_fits(junction->group_count, ELMOPP_GROUP_MAX) && count_fits(junction->stage_count, ELMOPP_STAGE_MAX) &&
+           (junction->program_count <= ELMOPP_PROGRAM_MAX) && (junction->schedule_count <= ELMOPP_SCHEDULE_MAX) &&
+           (junction->special_day_count <= ELMOPP_SPECIAL_DAY_MAX);
+}
+
+static bool start_fits(const elmopp_junction_t *junction) {
+    const uint32_t approaches = ((uint32_t)1U << junction->approach_count) - 1U;
+    return (junction->first_stage < junction->stage_count) && ((junction->cameras & approaches) == junction->cameras) &&
+           time_fits(junction->start_flash_ds) && time_fits(junction->start_red_ds);
+}
+
 elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction) {
-    const bool counts = count_fits(junction->approach_count, ELMOPP_APPROACH_MAX) &&
-                        count_fits(junction->movement_count, ELMOPP_MOVEMENT_MAX) &&
-                        count_fits(junction->group_count, ELMOPP_GROUP_MAX) &&
-                        count_fits(junction->stage_count, ELMOPP_STAGE_MAX);
     const bool codes = (junction->simulation_only <= 1U) && (junction->discharge <= (uint8_t)ELMOPP_DISCHARGE_NOLOCK) &&
                        (junction->chooser < (uint8_t)ELMOPP_CHOOSER_COUNT) &&
                        (junction->forecast < (uint8_t)ELMOPP_FORECAST_COUNT);
@@ -63,7 +80,7 @@ elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction
     const bool street =
         (junction->simulation_only == 1U) || (junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION);
     const bool reach = between(junction->reach_m, 0.0F, REACH_MAX_M);
-    if ((!counts) || (!codes) || (!flow) || (!street) || (!reach)) {
+    if ((!counts_fit(junction)) || (!codes) || (!flow) || (!street) || (!reach)) {
         return fault(ELMOPP_SITE_COUNTS, 0U, 0U);
     }
     if (!names_end(junction)) {
@@ -71,7 +88,18 @@ elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction
     }
     const bool hold = (junction->hold_min_s >= 1U) && (junction->hold_min_s <= junction->hold_max_s) &&
                       (junction->hold_max_s <= ELMOPP_HORIZON_MAX);
-    return hold ? ok : fault(ELMOPP_SITE_HOLD, 0U, 0U);
+    if (!hold) {
+        return fault(ELMOPP_SITE_HOLD, 0U, 0U);
+    }
+    return start_fits(junction) ? ok : fault(ELMOPP_SITE_START, 0U, 0U);
+}
+
+elmopp_site_verdict_t elmopp_site_check_approach(const elmopp_junction_t *junction, uint32_t approach) {
+    uint32_t movements = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        movements += (junction->movement[j].approach == approach) ? 1U : 0U;
+    }
+    return (movements <= ELMOPP_APPROACH_MOVEMENT_MAX) ? ok : fault(ELMOPP_SITE_APPROACH, approach, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *junction, uint32_t movement) {
@@ -87,14 +115,28 @@ elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *juncti
     return (numbers && places && served) ? ok : fault(ELMOPP_SITE_MOVEMENT, movement, 0U);
 }
 
+elmopp_site_verdict_t elmopp_site_check_rescue(const elmopp_junction_t *junction, uint32_t movement) {
+    const uint16_t needed = junction->movement[movement].groups;
+    const uint32_t stage = junction->rescue_stage[movement];
+    const bool serves = (stage < junction->stage_count) && ((junction->stage_groups[stage] & needed) == needed);
+    return serves ? ok : fault(ELMOPP_SITE_RESCUE, movement, 0U);
+}
+
+static bool group_times_fit(const elmopp_group_t *times) {
+    return time_fits(times->amber_ds) && time_fits(times->red_amber_ds) && time_fits(times->min_green_ds) &&
+           time_fits(times->max_green_ds);
+}
+
 elmopp_site_verdict_t elmopp_site_check_group(const elmopp_junction_t *junction, uint32_t group) {
     const elmopp_group_t *times = &junction->group[group];
     const bool street = junction->simulation_only == 0U;
     const bool amber = (!street) || ((times->amber_ds >= AMBER_MIN_DS) && (times->amber_ds <= AMBER_MAX_DS));
     const uint16_t shortest_ds = street ? (uint16_t)STREET_GREEN_MIN_DS : (uint16_t)ELMOPP_LAMP_TICKS_PER_S;
-    const bool green = (times->min_green_ds >= shortest_ds) &&
-                       ((times->max_green_ds == 0U) || (times->max_green_ds >= times->min_green_ds));
-    return (amber && green) ? ok : fault(ELMOPP_SITE_GROUP, group, 0U);
+    const bool unbounded = (times->max_green_ds == 0U) && (!street);
+    const bool green =
+        (times->min_green_ds >= shortest_ds) && (unbounded || (times->max_green_ds >= times->min_green_ds));
+    const bool lamps = (times->node < ELMOPP_NODE_MAX) && (times->flash <= (uint8_t)ELMOPP_FLASH_DARK);
+    return (amber && green && lamps && group_times_fit(times)) ? ok : fault(ELMOPP_SITE_GROUP, group, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, uint32_t ending, uint32_t starting) {
@@ -106,7 +148,8 @@ elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, 
     }
     const uint32_t intergreen_ds = junction->intergreen_ds[ending][starting];
     const uint32_t lamps_ds = (uint32_t)junction->group[ending].amber_ds + junction->group[starting].red_amber_ds;
-    const bool good = conflict ? (intergreen_ds >= lamps_ds) : (intergreen_ds == 0U);
+    const bool apart = (intergreen_ds >= lamps_ds) && (intergreen_ds <= ELMOPP_SITE_TIME_MAX_DS);
+    const bool good = (conflict && apart) || ((!conflict) && (intergreen_ds == 0U));
     return good ? ok : fault(ELMOPP_SITE_INTERGREEN, ending, starting);
 }
 
@@ -165,14 +208,102 @@ static elmopp_site_verdict_t check_each(const elmopp_junction_t *junction, uint3
     return verdict;
 }
 
-elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
+static bool is_rescue_stage(const elmopp_junction_t *junction, uint32_t stage) {
+    bool found = false;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        found = found || (junction->rescue_stage[j] == stage);
+    }
+    return found;
+}
+
+uint32_t elmopp_site_red_bound_min_ds(const elmopp_junction_t *junction) {
+    uint32_t changes = 1U;
+    for (uint32_t s = 0U; s < junction->stage_count; s++) {
+        changes += is_rescue_stage(junction, s) ? 1U : 0U;
+    }
+    return changes * elmopp_junction_change_ds(junction);
+}
+
+elmopp_site_verdict_t elmopp_site_check_red_bound(const elmopp_junction_t *junction) {
+    const bool none = (junction->red_bound_ds == 0U) && (junction->simulation_only == 1U);
+    const bool kept =
+        time_fits(junction->red_bound_ds) && (junction->red_bound_ds >= elmopp_site_red_bound_min_ds(junction));
+    return (none || kept) ? ok : fault(ELMOPP_SITE_RED_BOUND, 0U, 0U);
+}
+
+/* --- programmes and their hours --- */
+
+static bool is_step(const elmopp_junction_t *junction, const elmopp_step_t *step) {
+    bool good = (step->stage < junction->stage_count) && time_fits(step->green_ds);
+    for (uint32_t g = 0U; good && (g < junction->group_count); g++) {
+        const bool shown = elmopp_mask_has(junction->stage_groups[step->stage], g);
+        good = (!shown) || (step->green_ds >= junction->group[g].min_green_ds);
+    }
+    return good;
+}
+
+static bool is_in_program(const elmopp_junction_t *junction, const elmopp_program_t *program, uint32_t movement) {
+    bool served = false;
+    for (uint32_t i = 0U; i < program->step_count; i++) {
+        served = served || elmopp_junction_goes(junction, movement, junction->stage_groups[program->step[i].stage]);
+    }
+    return served;
+}
+
+elmopp_site_verdict_t elmopp_site_check_program(const elmopp_junction_t *junction, uint32_t program) {
+    const elmopp_program_t *steps = &junction->program[program];
+    if (!count_fits(steps->step_count, ELMOPP_STEP_MAX)) {
+        return fault(ELMOPP_SITE_PROGRAM, program, ELMOPP_STEP_MAX);
+    }
+    for (uint32_t i = 0U; i < steps->step_count; i++) {
+        if (!is_step(junction, &steps->step[i])) {
+            return fault(ELMOPP_SITE_PROGRAM, program, i);
+        }
+    }
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        if (!is_in_program(junction, steps, j)) {
+            return fault(ELMOPP_SITE_PROGRAM, program, ELMOPP_STEP_MAX + j);
+        }
+    }
+    return ok;
+}
+
+elmopp_site_verdict_t elmopp_site_check_schedule(const elmopp_junction_t *junction, uint32_t line) {
+    const elmopp_schedule_t *entry = &junction->schedule[line];
+    const bool when =
+        (entry->from_min < MINUTES_PER_DAY) && (entry->weekdays != 0U) && (entry->weekdays <= ALL_WEEKDAYS);
+    const bool what = (entry->program < junction->program_count) || (entry->program == (uint8_t)ELMOPP_SCHEDULE_FLASH);
+    return (when && what) ? ok : fault(ELMOPP_SITE_SCHEDULE, line, 0U);
+}
+
+elmopp_site_verdict_t elmopp_site_check_special_day(const elmopp_junction_t *junction, uint32_t special_day) {
+    return (junction->special_day[special_day].weekday <= SUNDAY) ? ok
+                                                                  : fault(ELMOPP_SITE_SPECIAL_DAY, special_day, 0U);
+}
+
+static elmopp_site_verdict_t check_program_count(const elmopp_junction_t *junction) {
+    const bool enough = (junction->program_count > 0U) || (junction->simulation_only == 1U);
+    return enough ? ok : fault(ELMOPP_SITE_PROGRAM, 0U, ELMOPP_STEP_MAX);
+}
+
+/* --- everything --- */
+
+static elmopp_site_verdict_t check_shape(const elmopp_junction_t *junction) {
     elmopp_site_verdict_t verdict = elmopp_site_check_counts(junction);
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->approach_count, elmopp_site_check_approach);
+    }
     if (verdict.fault == ELMOPP_SITE_OK) {
         verdict = check_each(junction, junction->movement_count, elmopp_site_check_movement);
     }
     if (verdict.fault == ELMOPP_SITE_OK) {
-        verdict = check_each(junction, junction->group_count, elmopp_site_check_group);
+        verdict = check_each(junction, junction->movement_count, elmopp_site_check_rescue);
     }
+    return verdict;
+}
+
+static elmopp_site_verdict_t check_signals(const elmopp_junction_t *junction) {
+    elmopp_site_verdict_t verdict = check_each(junction, junction->group_count, elmopp_site_check_group);
     if (verdict.fault == ELMOPP_SITE_OK) {
         verdict = check_pairs(junction);
     }
@@ -181,6 +312,34 @@ elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
     }
     if (verdict.fault == ELMOPP_SITE_OK) {
         verdict = check_each(junction, junction->group_count, check_served);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = elmopp_site_check_red_bound(junction);
+    }
+    return verdict;
+}
+
+static elmopp_site_verdict_t check_hours(const elmopp_junction_t *junction) {
+    elmopp_site_verdict_t verdict = check_program_count(junction);
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->program_count, elmopp_site_check_program);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->schedule_count, elmopp_site_check_schedule);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->special_day_count, elmopp_site_check_special_day);
+    }
+    return verdict;
+}
+
+elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
+    elmopp_site_verdict_t verdict = check_shape(junction);
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_signals(junction);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_hours(junction);
     }
     return verdict;
 }

@@ -431,7 +431,7 @@ def test_log_has_the_spelled_out_keys_and_numbers(full: bool) -> None:
         assert entry["t_s"] == t_s
         assert entry["fault"] == 0
         assert isinstance(entry["stage"], int)
-        assert re.fullmatch("[0-3]{12}0000", entry["aspects"])
+        assert re.fullmatch("[1-4]{12}0000", entry["aspects"])
         assert {key: len(value) for key, value in entry.items() if isinstance(value, list)} == lengths
         for numbers in re.findall(r"\[([^]]*)\]", line):
             assert all("%.9g" % float(word) == word for word in numbers.split(","))  # noqa: UP031 the format of the spec
@@ -507,9 +507,12 @@ def test_options_of_run_arrive() -> None:
         ["--trial", "0"],
         ["--vehicles", "800"],
         ["--profile", "paper"],
-        ["--link", "inproc"],
     ):
         assert log_lines("--seconds", "300", *option) == plain
+
+
+def test_no_frame_carries_the_future(tmp_path: Path) -> None:
+    refused(tmp_path, ["run", "--chooser", "cumulative:oracle", "--link", "inproc"], "oracle", "no frame")
 
 
 def test_the_profile_sets_the_integrator_unless_it_is_given() -> None:
@@ -635,6 +638,28 @@ def test_toml_and_image_give_the_same_log(name: str, images: dict[str, Path]) ->
     assert from_toml == log_lines("--site", str(images[name]), "--seconds", "300")
 
 
+@pytest.mark.parametrize("name", sorted(SITES_BY_NAME))
+def test_through_frames_the_core_sees_whole_vehicles_and_the_street_is_as_good(
+    name: str, images: dict[str, Path]
+) -> None:
+    arguments = ["--site", str(images[name]), "--profile", "saturation", "--chooser", "naive", "--vehicles", "300"]
+    framed = log_of(*arguments, "--link", "inproc", "--full")
+    direct = log_of(*arguments, "--full")
+    assert len(framed) == len(direct) == 2000
+    cumulative = [0.0] * len(framed[0]["arrived"])
+    for entry, other in zip(framed, direct, strict=True):
+        assert entry["fault"] == 0
+        assert entry["mode"] == 4
+        assert "mode" not in other
+        assert all(value == int(value) for value in entry["present"] + entry["arrived"])
+        cumulative = [total + value for total, value in zip(cumulative, entry["arrived"], strict=True)]
+    arrived = [sum(entry["arrived"][j] for entry in direct) for j in range(len(cumulative))]
+    # Running counters lose nothing but the fraction of a vehicle.
+    assert all(abs(one - other) <= 1.0 for one, other in zip(cumulative, arrived, strict=True))
+    out = [sum(sum(entry["out_veh"]) for entry in log) for log in (framed, direct)]
+    assert abs(out[0] - out[1]) < 0.05 * out[1]
+
+
 @pytest.mark.parametrize("chooser", STREET_CHOOSERS)
 @pytest.mark.parametrize("name", sorted(SITES_BY_NAME))
 def test_conflicting_groups_are_never_non_red_together(name: str, chooser: str, images: dict[str, Path]) -> None:
@@ -645,7 +670,7 @@ def test_conflicting_groups_are_never_non_red_together(name: str, chooser: str, 
     assert len(log) == 300
     shown: set[str] = set()
     for entry in log:
-        lit = [group for group, aspect in zip(groups, entry["aspects"], strict=False) if aspect != "0"]
+        lit = [group for group, aspect in zip(groups, entry["aspects"], strict=False) if aspect not in "01"]
         for pair in itertools.combinations(lit, 2):
             assert frozenset(pair) not in conflicts, (entry["t_s"], pair)
         shown.update(lit)

@@ -20,8 +20,14 @@ LEVELS = {
     "elementary": 0,
     "image": 0,
     "chooser": 0,
+    "fault": 0,
+    "lamps": 0,
+    "mode": 0,
     "account": 1,
     "ar8": 1,
+    "detector": 1,
+    "monitor": 1,
+    "timetable": 1,
     "lstm_f32": 1,
     "plan": 1,
     "site": 1,
@@ -29,7 +35,10 @@ LEVELS = {
     "forecast": 3,
     "urgency": 3,
     "pressure": 3,
-    "controller": 4,
+    "link": 1,
+    "frames": 2,
+    "pilot": 4,
+    "controller": 5,
 }
 
 
@@ -159,7 +168,7 @@ def test_a_room_without_a_level_is_found(tree: Path, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize(
-    "what", ['"elmopp/plan.h"', '"elmopp/controller.h"', '"traffic.hpp"', "<elmopp/plan.h>", '"../host_sim/trial.hpp"']
+    "what", ['"elmopp/plan.h"', '"elmopp/pilot.h"', '"traffic.hpp"', "<elmopp/plan.h>", '"../host_sim/trial.hpp"']
 )
 def test_a_rival_knows_the_choosers_view_only(tree: Path, capsys: pytest.CaptureFixture[str], what: str) -> None:
     write(tree, "host_sim/rivals.cpp", f'#include "rivals.hpp"\n#include <vector>\n#include {what}\n')
@@ -256,3 +265,19 @@ def test_an_nm_that_is_not_there_is_refused(tree: Path, capsys: pytest.CaptureFi
     library = archive(tree, one=ALLOWED)
     assert check(tree, "--library", str(library), "--nm", "no-such-nm") == 2
     assert "no-such-nm" in capsys.readouterr().err
+
+
+def symbols_of(source: Path, tmp_path: Path) -> set[str]:
+    """External names that an object defines or needs."""
+    target = tmp_path / f"{source.stem}.o"
+    include = ROOT / "firmware" / "include"
+    subprocess.run(["cc", "-std=c11", "-O1", "-I", str(include), "-c", str(source), "-o", str(target)], check=True)
+    listed = subprocess.run(["nm", "-g", "-P", str(target)], capture_output=True, text=True, check=True)
+    return {line.split()[0] for line in listed.stdout.splitlines()}
+
+
+def test_plan_and_monitor_share_no_code(tmp_path: Path) -> None:
+    plan, monitor = (symbols_of(ROOT / "firmware" / "src" / f"{room}.c", tmp_path) for room in ("plan", "monitor"))
+    assert "elmopp_plan_step" in plan
+    assert "elmopp_monitor_check" in monitor
+    assert plan & monitor <= {"memcpy", "memset", "elmopp_assert_failed"}

@@ -25,10 +25,12 @@ from elmopp_tools.site_toml import SCHEMA_PATH
 ROOT = Path(__file__).resolve().parents[2]
 INCLUDE = ROOT / "firmware" / "include"
 SITES = sorted((ROOT / "sites").glob("*.toml"))
-STRUCT_SIZE = 1740
+STRUCT_SIZE = 2212
+VERSION = 2
 WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Werror"]
 
-# A small street that uses most keys: a and b conflict, c is compatible with both.
+# A small street that uses all keys: a and b conflict, c is compatible with both. Stage 0 serves B.M, stage 1 the
+# others; a change takes up to 6 + 6 + 0.2 s, so that a bound on red is 3 * 12.2 s at least.
 GOOD = """\
 name = "cross"
 hold_s = [10, 60]
@@ -37,8 +39,13 @@ saturation_veh_per_s = 0.5
 startup_s = 2
 chooser = "naive"
 forecast = "none"
+red_bound_s = 90
 stages = [["b", "c"], ["a", "c"]]
 approaches = [{ name = "A" }, { name = "B" }]
+start_flash_s = 12.5
+start_red_s = 4
+first_stage = ["c", "a"]
+cameras = ["B"]
 
 [conflicts]
 a = ["b"]
@@ -79,27 +86,67 @@ name = "b"
 amber_s = 3.5
 red_amber_s = 1
 min_green_s = 6
+max_green_s = 50
+node = 7
+flash = "red"
 
 [[groups]]
 name = "c"
 amber_s = 3
 min_green_s = 5
+max_green_s = 45
+flash = "dark"
+
+[detectors]
+no_activity_min = 31
+max_presence_min = 62
+erratic_per_min = 93
+
+[[programs]]
+name = "day"
+steps = [{ stage = ["c", "a"], green_s = 20 }, { stage = ["b", "c"], green_s = 6.5 }]
+
+[[programs]]
+name = "late"
+steps = [{ stage = ["b", "c"], green_s = 6 }, { stage = ["a", "c"], green_s = 8 }, { stage = ["b", "c"], green_s = 9 }]
+
+[[schedule]]
+weekdays = ["Mon", "Fri"]
+from = "06:30"
+program = "late"
+
+[[schedule]]
+weekdays = ["Sun", "Fri"]
+from = "22:00"
+program = "flash"
+
+[[special_days]]
+date = "2026-12-25"
+as = "Sun"
+
+[[special_days]]
+date = "2027-01-01"
+as = "Sat"
 """
 
 # What is replaced in GOOD (once), by what, and what the message must say.
 REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "not TOML": ("reach_m = 75", "reach_m = ", ["is not TOML", "line 3", "reach_m ="]),
     "duplicate key": ("reach_m = 75", "reach_m = 75\nreach_m = 80", ["is not TOML", "line 4", "reach_m = 80"]),
-    "duplicate group in conflicts": ('b = ["a"]', 'a = ["b"]', ["is not TOML", "line 13"]),
+    "duplicate group in conflicts": ('b = ["a"]', 'a = ["b"]', ["is not TOML", "line 18"]),
     "nan": ("reach_m = 75", "reach_m = nan", ["reach_m is not finite", "nan"]),
     "nan inside": ("capacity_veh = 4.5", "capacity_veh = nan", ["movements[2].capacity_veh", "nan"]),
     "infinity": ("startup_s = 2\n", "startup_s = -inf\n", ["startup_s is not finite", "-inf"]),
     "huge integer": ("reach_m = 75", "reach_m = 0x" + "f" * 9000, ["reach_m is too large", "36000 bits"]),
     "long integer": ("reach_m = 75", "reach_m = " + "9" * 5000, ["is not TOML"]),
     "deep nesting": ("reach_m = 75", "reach_m = " + "[" * 5000, ["nested"]),
-    "unknown key": ("hold_s =", "holds =", ["unknown key", '"holds"', "hold_s, reach_m"]),
+    "unknown key": ("hold_s =", "holds =", ["unknown key", '"holds"', "hold_s, red_bound_s"]),
     "unknown key in a movement": ("lanes = 2", "lane = 2", ["unknown key", "movements[1].lane", "lanes, capacity_veh"]),
-    "unknown key in a group": ("max_green_s", "maximum_s", ["unknown key", "groups[0].maximum_s", "max_green_s"]),
+    "unknown key in a group": (
+        "max_green_s = 60",
+        "maximum_s = 60",
+        ["unknown key", "groups[0].maximum_s", "max_green_s"],
+    ),
     "unknown key in an approach": ('{ name = "B" }', '{ name = "B", x = 1 }', ["approaches[1].x", "name"]),
     "missing key": ("reach_m = 75\n", "", ["lacks a key", '"reach_m"']),
     "missing key in a group": ("min_green_s = 6", "", ["groups[1] lacks a key", '"min_green_s"']),
@@ -169,6 +216,107 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "stage missing": (', ["a", "c"]]', "]", ["stages lacks a stage", '["a", "c"]', "all 2"]),
     "stage of nobody": ('["a", "c"]]', '["a", "d"]]', ["stages[1]", '"d"', "a, b, c"]),
     "stage empty": ('["a", "c"]]', "[]]", ["stages[1] is not maximal", "[]"]),
+    "no bound on red": ("red_bound_s = 90\n", "", ["red_bound_s of a street is missing", "(0.0)", "36.6 s to 600.0 s"]),
+    "bound on red 0": ("red_bound_s = 90", "red_bound_s = 0", ["red_bound_s of a street is missing", "12.2 s"]),
+    "bound on red short": (
+        "red_bound_s = 90",
+        "red_bound_s = 36.5",
+        ["cannot be kept", "(36.5)", "36.6 s", "2 stages"],
+    ),
+    "bound on red long": ("red_bound_s = 90", "red_bound_s = 600.1", ["red_bound_s is too large", "at most 600"]),
+    "bound on red too fine": ("red_bound_s = 90", "red_bound_s = 90.05", ["red_bound_s is finer", "90.05"]),
+    "start flash long": ("start_flash_s = 12.5", "start_flash_s = 601", ["start_flash_s is too large", "(601)"]),
+    "start red negative": ("start_red_s = 4", "start_red_s = -1", ["start_red_s is too small", "(-1)"]),
+    "first stage of nobody": (
+        'first_stage = ["c", "a"]',
+        'first_stage = ["d"]',
+        ["first_stage: group", '"d"', "a, b, c"],
+    ),
+    "first stage not maximal": (
+        'first_stage = ["c", "a"]',
+        'first_stage = ["a"]',
+        ["no stage", '["a"]', "example a c"],
+    ),
+    "first stage conflicting": (
+        'first_stage = ["c", "a"]',
+        'first_stage = ["a", "b", "c"]',
+        ["first_stage is no stage", '["a", "b", "c"]', "for example b c"],
+    ),
+    "first stage empty": ('first_stage = ["c", "a"]', "first_stage = []", ["first_stage is no stage", "[]"]),
+    "camera at no approach": ('cameras = ["B"]', 'cameras = ["C"]', ["cameras: approach", '"C"', "A, B"]),
+    "camera twice": ('cameras = ["B"]', 'cameras = ["B", "B"]', ["cameras", "twice"]),
+    "unknown detector key": ("erratic_per_min", "erratic", ["detectors.erratic", "no_activity_min, max_presence_min"]),
+    "no activity long": ("no_activity_min = 31", "no_activity_min = 256", ["detectors.no_activity_min", "at most 255"]),
+    "presence of half minutes": ("= 62", "= 62.5", ["detectors.max_presence_min", "62.5", "an integer"]),
+    "erratic negative": ("= 93", "= -1", ["detectors.erratic_per_min is too small", "(-1)"]),
+    "no max green": ("max_green_s = 50\n", "", ["max_green_s of group b is missing", "(0)", "6.0 s or more"]),
+    "max green 0": ("max_green_s = 50", "max_green_s = 0", ["max_green_s of group b is missing", "(0)"]),
+    "no such node": ("node = 7", "node = 8", ["groups[1].node is too large", "(8)", "at most 7"]),
+    "unknown flash": ('"dark"', '"green"', ["groups[2].flash", '"green"', "amber, red, dark"]),
+    "four movements of an approach": (
+        'name = "B.M"\n',
+        "".join(f'name = "{name}"\napproach = "A"\ngroups = ["c"]\n[[movements]]\n' for name in "xy")
+        + 'name = "B.M"\n',
+        ["approach A has too many movements", "(4)", "at most 3"],
+    ),
+    "programme twice": ('name = "late"', 'name = "day"', ["programs[1].name is taken", '"day"', "every name once"]),
+    "programme called flash": (
+        'name = "late"',
+        'name = "flash"',
+        ["programs[1].name is taken", '"flash"', "not flash"],
+    ),
+    "programme without a name": ('name = "late"', 'name = ""', ["programs[1].name is not a name", '""']),
+    "programme with end of line": ('name = "late"', 'name = "l\\n"', ["programs[1].name is not a name", "l\\n"]),
+    "programme without steps": (
+        'steps = [{ stage = ["c", "a"], green_s = 20 }, { stage = ["b", "c"], green_s = 6.5 }]',
+        "steps = []",
+        ["programs[0].steps has 0 entries", "at least 1"],
+    ),
+    "unknown key in a programme": (
+        'name = "late"',
+        'name = "late"\ncycle_s = 60',
+        ["programs[1].cycle_s", "name, steps"],
+    ),
+    "unknown key in a step": ("green_s = 20", "time_s = 20", ["programs[0].steps[0].time_s", "stage, green_s"]),
+    "step of nobody": ('["c", "a"], green', '["d"], green', ["step 0 of programme day: group", '"d"', "a, b, c"]),
+    "step without a stage": (
+        '["c", "a"], green',
+        '["a"], green',
+        ["step 0 of programme day is no stage", '["a"]', "a c"],
+    ),
+    "step short": ("= 6.5", "= 5.9", ["green_s of step 1 of programme day", "group b", "(5.9)", "at least 6.0 s"]),
+    "step too fine": ("= 6.5", "= 6.55", ["green_s of step 1 of programme day is finer", "6.55"]),
+    "step long": ("= 6.5", "= 601", ["programs[0].steps[1].green_s is too large", "(601)"]),
+    "movement left out": (
+        '["b", "c"], green_s = 6.5',
+        '["a", "c"], green_s = 6.5',
+        ["programme day never serves movement B.M", "a step whose stage has b"],
+    ),
+    "unknown programme": (
+        'program = "late"',
+        'program = "noon"',
+        ["schedule[0].program", '"noon"', "day, late, flash"],
+    ),
+    "unknown weekday": ('"Mon"', '"Mo"', ["schedule[0].weekdays[0]", '"Mo"', "Mon, Tue"]),
+    "no weekday": ('["Mon", "Fri"]', "[]", ["schedule[0].weekdays has 0 entries", "at least 1"]),
+    "weekday twice": ('["Mon", "Fri"]', '["Fri", "Fri"]', ["schedule[0].weekdays", "twice"]),
+    "short hour": ('"06:30"', '"6:30"', ["schedule[0].from is no time of day", '"6:30"', "00:00 to 23:59"]),
+    "24 hours": ('"06:30"', '"24:00"', ["schedule[0].from is no time of day", '"24:00"']),
+    "60 minutes": ('"06:30"', '"06:60"', ["schedule[0].from is no time of day", '"06:60"']),
+    "hour with end of line": ('"06:30"', '"06:30\\n"', ["schedule[0].from is no time of day", "06:30\\n"]),
+    "hour without quotes": ('"06:30"', "06:30:00", ["schedule[0].from has the wrong type", "06:30:00", "a string"]),
+    "two lines begin together": ('"22:00"', '"06:30"', ["schedule[1] begins with another", "on Fri", '"06:30"']),
+    "no such day": ('"2026-12-25"', '"2026-02-30"', ["special_days[0].date is no date", '"2026-02-30"']),
+    "day without dashes": ('"2026-12-25"', '"20261225"', ["special_days[0].date is no date", "YYYY-MM-DD"]),
+    "day without quotes": ('"2026-12-25"', "2026-12-25", ["special_days[0].date has the wrong type", "a string"]),
+    "day before the count": (
+        '"2026-12-25"',
+        '"1999-12-31"',
+        ["out of range", '"1999-12-31"', "2000-01-01 to 2179-06-06"],
+    ),
+    "day after the count": ('"2026-12-25"', '"2179-06-07"', ["special_days[0].date is out of range", "2179-06-07"]),
+    "day twice": ('"2027-01-01"', '"2026-12-25"', ["special_days[1].date is taken", '"2026-12-25"', "every date once"]),
+    "day like no weekday": ('as = "Sun"', 'as = "holiday"', ["special_days[0].as", '"holiday"', "Sat, Sun"]),
     "table twice": ("[intergreen_ds]", "[conflicts]", ["is not TOML", "conflicts"]),
 }
 
@@ -184,15 +332,29 @@ def changed(old: str, new: str) -> str:
     return GOOD.replace(old, new)
 
 
-def cocktail(pairs: int, extra: str = "") -> str:
-    """A site of conflicting pairs of groups that are otherwise compatible: 2 ** pairs stages."""
+def without(*headings: str) -> str:
+    """GOOD without the tables and arrays of tables of these names."""
+    return re.sub(rf"\n\[\[?({'|'.join(headings)})\]\]?\n(?:(?!\[).+\n)*", "", GOOD)
+
+
+def cocktail(pairs: int, movements: str = "") -> str:
+    """A site of conflicting pairs of groups that are otherwise compatible: 2 ** pairs stages.
+
+    Without `movements` there is one for each group.
+    """
     names = [f"{side}{pair}" for pair in range(pairs) for side in "xy"]
     other = {"x": "y", "y": "x"}
     conflicts = "\n".join(f'{name} = ["{other[name[0]]}{name[1:]}"]' for name in names)
-    movements = "\n".join(f'[[movements]]\nname = "{name}"\napproach = "A"\ngroups = ["{name}"]' for name in names)
-    groups = "\n".join(f'[[groups]]\nname = "{name}"\namber_s = 3\nmin_green_s = 5' for name in names)
-    head = GOOD[: GOOD.index("stages")] + 'approaches = [{ name = "A" }]\nintergreen_ds = 50\n'
-    return f"{head}{extra}[conflicts]\n{conflicts}\n{movements}\n{groups}\n"
+    movements = movements or "\n".join(movement(i, name, [name]) for i, name in enumerate(names))
+    groups = "\n".join(f'[[groups]]\nname = "{name}"\namber_s = 3\nmin_green_s = 5\nmax_green_s = 60' for name in names)
+    head = GOOD[: GOOD.index("stages")].replace("= 90", "= 300") + "intergreen_ds = 50\n"
+    approaches = "\n".join(f'[[approaches]]\nname = "{i}"' for i in range(movements.count("[[movements]]") // 3 + 1))
+    return f"{head}\n{approaches}\n[conflicts]\n{conflicts}\n{movements}\n{groups}\n"
+
+
+def movement(index: int, name: str, groups: list[str]) -> str:
+    """One of the movements of a cocktail, three to an approach."""
+    return f'[[movements]]\nname = "{name}"\napproach = "{index // 3}"\ngroups = {json.dumps(groups)}'
 
 
 def refusal(capsys: pytest.CaptureFixture[str], site: Path, *arguments: str) -> str:
@@ -229,6 +391,9 @@ def test_good_site_is_accepted_and_summarised(tmp_path: Path, capsys: pytest.Cap
         "cross: approaches 2, movements 3, groups 3, conflicting pairs 1, stages 2",
         "stage 0: b c",
         "stage 1: a c",
+        "bound on red: 90.0 s, the shortest possible 36.6 s, kept with stages 0 1",
+        "programme day: stage 1 20.0 s, stage 0 6.5 s",
+        "programme late: stage 0 6.0 s, stage 1 8.0 s, stage 0 9.0 s",
     ]
     assert [path.name for path in tmp_path.iterdir()] == ["cross.toml"]
 
@@ -259,7 +424,22 @@ def test_limits_are_accepted_on_their_good_side(tmp_path: Path) -> None:
         ("amber_s = 3.5", "amber_s = 5"),
         ("min_green_s = 6", "min_green_s = 5.0"),
         ("max_green_s = 60", "max_green_s = 5"),
-        ("max_green_s = 60", "max_green_s = 0"),
+        ("red_bound_s = 90", "red_bound_s = 36.6"),
+        ("red_bound_s = 90", "red_bound_s = 600"),
+        ("start_flash_s = 12.5", "start_flash_s = 600"),
+        ("start_red_s = 4", "start_red_s = 0"),
+        ('cameras = ["B"]', "cameras = []"),
+        ("no_activity_min = 31", "no_activity_min = 255.0"),
+        ("max_presence_min = 62", "max_presence_min = 0"),
+        ("node = 7", "node = 0.0"),
+        ("green_s = 6.5", "green_s = 6"),
+        ("green_s = 6.5", "green_s = 600"),
+        ('"06:30"', '"00:00"'),
+        ('"06:30"', '"23:59"'),
+        ('["Sun", "Fri"]\nfrom = "22:00"', '["Sun"]\nfrom = "06:30"'),
+        ('"2026-12-25"', '"2000-01-01"'),
+        ('"2026-12-25"', '"2179-06-06"'),
+        ('"2026-12-25"', '"2028-02-29"'),
         ("{ a = 60 }", "{ a = 45 }"),
         ("capacity_veh = 4.5", "capacity_veh = 0"),
         ('name = "A.M"', 'name = "A.M12345678"'),
@@ -312,6 +492,102 @@ def test_intergreen_table_is_ending_then_starting(tmp_path: Path) -> None:
     assert load_site(write_site(tmp_path))[0].intergreen_ds == ((0, 50, 0), (60, 0, 0), (0, 0, 0))
 
 
+def test_promises_of_a_street_are_read(tmp_path: Path) -> None:
+    site = load_site(write_site(tmp_path))[0]
+    assert (site.red_bound_ds, site.start_flash_ds, site.start_red_ds) == (900, 125, 40)
+    assert (site.first_stage, site.cameras) == (1, 0b10)
+    assert (site.no_activity_min, site.max_presence_min, site.erratic_per_min) == (31, 62, 93)
+    assert [(group.node, group.flash) for group in site.groups] == [(0, "amber"), (7, "red"), (0, "dark")]
+    assert site.rescue_stages == (1, 1, 0)
+    assert (site.change_ds(), site.red_bound_min_ds()) == (122, 366)
+
+
+def test_programmes_and_their_hours_are_read(tmp_path: Path) -> None:
+    site = load_site(write_site(tmp_path))[0]
+    steps = [(program.name, [(step.stage, step.green_ds) for step in program.steps]) for program in site.programs]
+    assert steps == [("day", [(1, 200), (0, 65)]), ("late", [(0, 60), (1, 80), (0, 90)])]
+    lines = [(line.from_min, line.weekdays, line.program) for line in site.schedule]
+    assert lines == [(390, 0b0010001, 1), (1320, 0b1010000, 255)]
+    days_of_26_years = 26 * 365 + 7  # 2000, 2004, ... 2024 are leap years
+    assert [(day.day, day.weekday) for day in site.special_days] == [
+        (days_of_26_years + 358, 6),
+        (days_of_26_years + 365, 5),
+    ]
+
+
+def test_what_a_street_does_not_say_has_a_default(tmp_path: Path) -> None:
+    text = re.sub(
+        r"(start_flash_s|start_red_s|first_stage|cameras) = .*\n", "", without("detectors", "schedule", "special_days")
+    )
+    site = load_site(write_site(tmp_path, text))[0]
+    assert (site.start_flash_ds, site.start_red_ds, site.first_stage, site.cameras) == (100, 60, 0, 0b11)
+    assert (site.no_activity_min, site.max_presence_min, site.erratic_per_min) == (0, 0, 0)
+    assert (site.schedule, site.special_days) == ((), ())
+
+
+def test_a_street_without_programmes_gets_its_rescue_stages_as_one(tmp_path: Path) -> None:
+    text = without("programs", "schedule").replace("min_green_s = 6\n", "min_green_s = 21.5\n")
+    (program,) = load_site(write_site(tmp_path, text))[0].programs
+    assert [(step.stage, step.green_ds) for step in program.steps] == [(0, 215), (1, 150)]
+    scheduled = text + '[[schedule]]\nweekdays = ["Sun"]\nfrom = "01:00"\nprogram = "default"\n'
+    assert load_site(write_site(tmp_path, scheduled))[0].schedule[0].program == 0
+
+
+def test_a_simulation_has_no_promises_unless_it_asks(tmp_path: Path) -> None:
+    text = without("programs", "schedule", "special_days").replace("red_bound_s = 90", "simulation_only = true")
+    text = re.sub(r"(start_flash_s|start_red_s) = .*\n", "", text)
+    site = load_site(write_site(tmp_path, text.replace("max_green_s = 50\n", "")))[0]
+    assert (site.red_bound_ds, site.start_flash_ds, site.start_red_ds, site.programs) == (0, 0, 0, ())
+    assert site.rescue_stages == (1, 1, 0)
+    asking = load_site(write_site(tmp_path, changed("red_bound_s = 90", "red_bound_s = 90\nsimulation_only = true")))[0]
+    assert (asking.red_bound_ds, asking.start_flash_ds, len(asking.programs)) == (900, 125, 2)
+
+
+def test_a_simulation_keeps_a_bound_that_it_sets(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = changed("red_bound_s = 90", "red_bound_s = 36.5\nsimulation_only = true")
+    assert "red_bound_s cannot be kept" in refusal(capsys, write_site(tmp_path, text))
+
+
+def test_the_papers_site_promises_nothing() -> None:
+    site = load_site(ROOT / "sites" / "paper.toml")[0]
+    assert (site.red_bound_ds, site.start_flash_ds, site.start_red_ds) == (0, 0, 0)
+    assert (site.programs, site.schedule, site.special_days) == ((), (), ())
+
+
+def test_tables_of_hours_are_tried_on_both_sides(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    steps = '{{ stage = ["a", "c"], green_s = 5 }}, {{ stage = ["b", "c"], green_s = 6 }}'
+    program = f'[[programs]]\nname = "p{{}}"\nsteps = [{steps}]\n'
+    line = '[[schedule]]\nweekdays = ["Sat"]\nfrom = "{:02}:00"\nprogram = "flash"\n'
+    day = '[[special_days]]\ndate = "2026-01-{:02}"\nas = "Sun"\n'
+    for text, room, message in [
+        (program, 2, "too many programs (5) ; ELMOPP_PROGRAM_MAX is 4"),
+        (line, 14, "too many lines in schedule (17) ; ELMOPP_SCHEDULE_MAX is 16"),
+        (day, 14, "too many special_days (17) ; ELMOPP_SPECIAL_DAY_MAX is 16"),
+    ]:
+        rows = [text.format(index + 1) for index in range(room + 1)]
+        assert main([str(write_site(tmp_path, GOOD + "".join(rows[:-1])))]) == 0
+        capsys.readouterr()
+        assert message in refusal(capsys, write_site(tmp_path, GOOD + "".join(rows)))
+
+
+def test_steps_of_a_programme_are_tried_on_both_sides(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    step = '{ stage = ["b", "c"], green_s = 6.5 }'
+    assert main([str(write_site(tmp_path, changed(step, ", ".join([step] * 15))))]) == 0
+    capsys.readouterr()
+    line = refusal(capsys, write_site(tmp_path, changed(step, ", ".join([step] * 16))))
+    assert "too many steps in programme day (17) ; ELMOPP_STEP_MAX is 16" in line
+
+
+def test_a_street_that_no_programme_can_serve_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Movements that need one group of each pair have a stage of their own each."""
+    sides = [[f"{'xy'[stage >> pair & 1]}{pair}" for pair in range(5)] for stage in range(32)]
+    movements = [movement(index, f"m{index}", groups) for index, groups in enumerate(sides[:15] + sides[-2:])]
+    assert main([str(write_site(tmp_path, cocktail(5, "\n".join(movements[1:]))))]) == 0
+    assert "programme default: stage 1 15.0 s" in capsys.readouterr().out
+    line = refusal(capsys, write_site(tmp_path, cocktail(5, "\n".join(movements))))
+    assert "too many stages for a programme that serves all movements (17) ; ELMOPP_STEP_MAX is 16" in line
+
+
 def test_stage_bound_is_tried_on_both_sides(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(write_site(tmp_path, cocktail(5)))]) == 0
     assert "stages 32\n" in capsys.readouterr().out
@@ -333,12 +609,21 @@ def test_too_many_groups_movements_and_approaches_are_refused(
 
 def test_bounds_and_codes_are_those_of_the_headers() -> None:
     bounds = (INCLUDE / "elmopp" / "bounds.h").read_text()
-    for name in ["APPROACH_MAX", "MOVEMENT_MAX", "GROUP_MAX", "STAGE_MAX", "SITE_NAME_SIZE", "NAME_SIZE"]:
+    names = ["APPROACH_MAX", "MOVEMENT_MAX", "GROUP_MAX", "STAGE_MAX", "SITE_NAME_SIZE", "NAME_SIZE"]
+    names += ["APPROACH_MOVEMENT_MAX", "NODE_MAX", "PROGRAM_MAX", "STEP_MAX", "SCHEDULE_MAX", "SPECIAL_DAY_MAX"]
+    for name in names:
         found = re.search(rf"#define ELMOPP_{name} (\d+)U", bounds)
         assert found is not None
         assert int(found[1]) == getattr(site_model, name)
     junction = (INCLUDE / "elmopp" / "junction.h").read_text()
     properties = json.loads(SCHEMA_PATH.read_text())["properties"]
+    assert f"ELMOPP_SCHEDULE_FLASH = {site_model.SCHEDULE_FLASH} " in junction
+    group = properties["groups"]["items"]["properties"]
+    assert group["node"]["maximum"] == site_model.NODE_MAX - 1
+    assert json.loads(SCHEMA_PATH.read_text())["$defs"]["weekday"]["enum"] == list(site_model.WEEKDAYS)
+    flashes = re.findall(r" ELMOPP_FLASH_(\w+) = (\d+)", junction)
+    assert [name.lower() for name, _ in sorted(flashes, key=lambda item: int(item[1]))] == group["flash"]["enum"]
+    assert group["flash"]["enum"] == list(site_model.FLASHES)
     for key in ["discharge", "chooser", "forecast"]:
         codes = re.findall(rf"ELMOPP_{key.upper()}_(\w+) = (\d+)", junction)
         names = [name.lower() for name, code in sorted(codes, key=lambda item: int(item[1])) if name != "COUNT"]
@@ -372,7 +657,7 @@ def test_compiled_constant_is_the_image_body_with_odd_values(tmp_path: Path) -> 
 def test_image_has_magic_version_length_and_crc(tmp_path: Path) -> None:
     image = image_bytes(load_site(write_site(tmp_path))[0])
     magic, version, length, crc = struct.unpack("<4sIII", image[:16])
-    assert (magic, version, length) == (b"ELMS", 1, STRUCT_SIZE)
+    assert (magic, version, length) == (b"ELMS", VERSION, STRUCT_SIZE)
     assert len(image) == 16 + length
     assert crc == zlib.crc32(image[16:])
     assert image[16:40] == b"cross".ljust(24, b"\0")

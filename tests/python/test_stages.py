@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from elmopp_tools.site import load_site
 from elmopp_tools.site_model import Junction
-from elmopp_tools.stages import addable_group, conflict_pair, enumerate_stages
+from elmopp_tools.stages import addable_group, conflict_pair, enumerate_stages, smallest_cover
 
 SITES = Path(__file__).resolve().parents[2] / "sites"
 
@@ -190,3 +190,70 @@ def test_street_sites_have_intergreens_between_amber_and_ten_seconds(name: str) 
     for end, row in enumerate(junction.intergreen_ds):
         for start, time_ds in enumerate(row):
             assert (50 <= time_ds <= 100) if junction.conflict[end] >> start & 1 else time_ds == 0
+
+
+def brute_force_cover(sets: list[int], needed: int) -> tuple[int, ...]:
+    """The first of the smallest covers, by trying all choices in order."""
+    for count in range(len(sets) + 1):
+        for chosen in combinations(range(len(sets)), count):
+            if all(any(sets[index] >> bit & 1 for index in chosen) for bit in range(24) if needed >> bit & 1):
+                return chosen
+    raise AssertionError("no cover")
+
+
+def test_smallest_cover_is_that_of_a_brute_force() -> None:
+    draw = random.Random(7)
+    for _ in range(400):
+        bits = draw.randint(1, 12)
+        density = draw.choice([0.15, 0.3, 0.5])
+        sets = [sum((draw.random() < density) << bit for bit in range(bits)) for _ in range(draw.randint(1, 10))]
+        needed = draw.getrandbits(bits)
+        union = 0
+        for held in sets:
+            union |= held
+        assert smallest_cover(sets, needed & union) == brute_force_cover(sets, needed & union)
+
+
+def test_smallest_cover_of_nothing_is_empty() -> None:
+    assert smallest_cover([], 0) == ()
+    assert smallest_cover([5, 3], 0) == ()
+
+
+def test_smallest_cover_prefers_the_first_in_order() -> None:
+    assert smallest_cover([0b0011, 0b1100, 0b0110, 0b1001], 0b1111) == (0, 1)
+    assert smallest_cover([0b0110, 0b0011, 0b1001, 0b1100], 0b1111) == (0, 2)
+    assert smallest_cover([0b0001, 0b0111, 0b1000, 0b1110, 0b0001], 0b1111) == (0, 3)
+
+
+def test_smallest_cover_of_the_most_stages_and_movements_ends() -> None:
+    """24 movements with a stage of their own among 32: trying every choice would not."""
+    sets = [1 << index % 24 for index in range(32)]
+    assert smallest_cover(sets, (1 << 24) - 1) == tuple(range(24))
+
+
+@pytest.mark.parametrize("name", PINNED_STAGES)
+def test_rescue_stages_serve_everybody_with_as_few_as_possible(name: str) -> None:
+    junction = site(name)
+    needed = [movement.groups for movement in junction.movements]
+    for groups, stage in zip(needed, junction.rescue_stages, strict=True):
+        assert junction.stages[stage] & groups == groups
+    used = sorted(set(junction.rescue_stages))
+    served = [sum((stage & groups == groups) << j for j, groups in enumerate(needed)) for stage in junction.stages]
+    assert tuple(used) == brute_force_cover(served, (1 << len(needed)) - 1)
+    for j, stage in enumerate(junction.rescue_stages):
+        assert stage == min(index for index in used if served[index] >> j & 1)
+
+
+# What each street can promise, by hand: a change takes 5 s of green, the longest intergreen and 0.2 s.
+LEAST_BOUNDS_DS = {
+    "four_way": (1 + 4) * (50 + 70 + 2),
+    "three_way": (1 + 3) * (50 + 70 + 2),
+    "five_way": (1 + 5) * (50 + 100 + 2),
+    "one_way": (1 + 2) * (50 + 50 + 2),
+}
+
+
+@pytest.mark.parametrize("name", LEAST_BOUNDS_DS)
+def test_streets_promise_two_minutes_and_can_keep_it(name: str) -> None:
+    assert site(name).red_bound_min_ds() == LEAST_BOUNDS_DS[name]
+    assert LEAST_BOUNDS_DS[name] <= site(name).red_bound_ds == 1200

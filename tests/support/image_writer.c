@@ -23,9 +23,9 @@ void image_put_word(uint8_t *at, uint32_t word) {
     }
 }
 
-void image_seal(uint8_t *image, const char *magic, uint32_t body_bytes) {
+void image_seal(uint8_t *image, const char *magic, uint32_t version, uint32_t body_bytes) {
     (void)memcpy(image, magic, 4U);
-    image_put_word(&image[4], 1U);
+    image_put_word(&image[4], version);
     image_put_word(&image[8], body_bytes);
     image_put_word(&image[12], image_checksum(&image[16], body_bytes));
 }

@@ -15,6 +15,6 @@ uint32_t image_checksum(const uint8_t *bytes, uint32_t length);
 void image_put_word(uint8_t *at, uint32_t word);
 
 /// Writes the envelope in front of a body of so many bytes, which begins at image[16]. `magic` has four letters.
-void image_seal(uint8_t *image, const char *magic, uint32_t body_bytes);
+void image_seal(uint8_t *image, const char *magic, uint32_t version, uint32_t body_bytes);
 
 #endif

@@ -16,9 +16,14 @@ static bool complain(plan_oracle_t *self, const char *what, uint32_t first, uint
 }
 
 void plan_oracle_init(plan_oracle_t *self, const elmopp_junction_t *junction) {
-    *self = (plan_oracle_t){.junction = junction, .now = -1, .shown = ELMOPP_STAGE_NONE, .target = ELMOPP_STAGE_NONE};
+    *self = (plan_oracle_t){
+        .junction = junction, .now = -1, .shown = ELMOPP_STAGE_NONE, .target = ELMOPP_STAGE_NONE, .settled = true};
     for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
-        self->group[g] = (plan_oracle_group_t){'R', PLAN_ORACLE_NEVER, PLAN_ORACLE_NEVER, PLAN_ORACLE_NEVER};
+        /* As if every green had ended in the first tick. */
+        self->group[g] = (plan_oracle_group_t){'R', PLAN_ORACLE_NEVER, 0, PLAN_ORACLE_NEVER};
+    }
+    for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
+        self->asked[j] = PLAN_ORACLE_NEVER;
     }
 }
 
@@ -31,40 +36,105 @@ static bool is_over(const plan_oracle_t *self, uint32_t g) {
            ((self->now - group->contested) >= max);
 }
 
-/* Of the groups in `waiting`, the one whose green ended first. */
-static uint32_t oldest_red(const plan_oracle_t *self, uint32_t waiting) {
-    uint32_t oldest = ELMOPP_GROUP_MAX;
-    long long ended = self->now + 1;
-    for (uint32_t h = 0U; h < self->junction->group_count; h++) {
-        if (has(waiting, h) && (self->group[h].ended < ended)) {
-            oldest = h;
-            ended = self->group[h].ended;
+static bool goes(const plan_oracle_t *self, uint32_t j) {
+    for (uint32_t g = 0U; g < self->junction->group_count; g++) {
+        if (has(self->junction->movement[j].groups, g) && (self->group[g].aspect != 'G')) {
+            return false;
         }
     }
-    return oldest;
+    return true;
 }
 
-static uint32_t stage_with(const elmopp_junction_t *junction, uint32_t g) {
+static void hear(plan_oracle_t *self, elmopp_stage_t wanted, uint32_t demand) {
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        if (goes(self, j) || (wanted == ELMOPP_STAGE_RED)) {
+            self->asked[j] = PLAN_ORACLE_NEVER;
+        } else if (has(demand, j) && (self->asked[j] == PLAN_ORACLE_NEVER)) {
+            self->asked[j] = self->now;
+        } else {
+            /* already waiting, or nobody */
+        }
+    }
+}
+
+static bool waits(const plan_oracle_t *self, uint32_t j) {
+    return self->asked[j] != PLAN_ORACLE_NEVER;
+}
+
+/* Of those who need one of these groups, the one who asked first. */
+static uint32_t first_to_ask(const plan_oracle_t *self, uint32_t groups) {
+    uint32_t first = ELMOPP_MOVEMENT_MAX;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const bool earlier = (first == ELMOPP_MOVEMENT_MAX) || (self->asked[j] < self->asked[first]);
+        if (waits(self, j) && earlier && ((self->junction->movement[j].groups & groups) != 0U)) {
+            first = j;
+        }
+    }
+    return first;
+}
+
+/* All stages that the site rescues by, up to and with this movement's turn, the oldest first. */
+static uint32_t turns_until(const plan_oracle_t *self, uint32_t movement) {
+    uint32_t turns = 0U;
+    for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
+        bool needed = false;
+        for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+            const bool older = waits(self, j) && (self->asked[j] <= self->asked[movement]);
+            needed = needed || (older && (self->junction->rescue_stage[j] == s));
+        }
+        turns += needed ? 1U : 0U;
+    }
+    return turns;
+}
+
+static bool is_bound_near(const plan_oracle_t *self) {
+    const long long change = plan_oracle_bound(self->junction);
+    for (uint32_t j = 0U; (self->junction->red_bound_ds != 0U) && (j < self->junction->movement_count); j++) {
+        const long long waited = (self->now - self->asked[j]) + 1;
+        if (waits(self, j) && ((waited + ((1 + turns_until(self, j)) * change)) >= self->junction->red_bound_ds)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint32_t stage_with(const elmopp_junction_t *junction, uint32_t movement) {
     uint32_t s = 0U;
-    while (!has(junction->stage_groups[s], g)) {
+    while ((junction->stage_groups[s] & junction->movement[movement].groups) != junction->movement[movement].groups) {
         s++;
     }
     return s;
 }
 
-static void expect_target(plan_oracle_t *self, elmopp_stage_t wanted, uint16_t demand) {
-    if (self->shown != self->target) {
+/* Whom a green beyond its maximum gives way to. */
+static uint32_t relieved(const plan_oracle_t *self) {
+    uint32_t movement = ELMOPP_MOVEMENT_MAX;
+    for (uint32_t g = 0U; (g < self->junction->group_count) && (movement == ELMOPP_MOVEMENT_MAX); g++) {
+        movement = is_over(self, g) ? first_to_ask(self, self->junction->conflict[g]) : movement;
+    }
+    return movement;
+}
+
+static void expect_target(plan_oracle_t *self, elmopp_stage_t wanted) {
+    const uint32_t oldest = first_to_ask(self, 0xFFFFU);
+    const bool street = self->junction->simulation_only == 0U;
+    if (!self->settled) {
         return;
     }
-    for (uint32_t g = 0U; g < self->junction->group_count; g++) {
-        const uint32_t waiting = (uint32_t)self->junction->conflict[g] & demand;
-        if (is_over(self, g) && (waiting != 0U)) {
-            self->target = stage_with(self->junction, oldest_red(self, waiting));
-            self->forced++;
-            return;
-        }
+    if (wanted == ELMOPP_STAGE_RED) {
+        self->target = ELMOPP_STAGE_NONE;
+    } else if (is_bound_near(self)) {
+        self->target = self->junction->rescue_stage[oldest];
+        self->rescued++;
+    } else if (relieved(self) != ELMOPP_MOVEMENT_MAX) {
+        self->target = stage_with(self->junction, relieved(self));
+        self->forced++;
+    } else if ((wanted == ELMOPP_STAGE_NONE) ||
+               (street && (oldest == ELMOPP_MOVEMENT_MAX) && (self->target != ELMOPP_STAGE_NONE))) {
+        /* nothing to do */
+    } else {
+        self->target = wanted;
     }
-    self->target = (wanted == ELMOPP_STAGE_NONE) ? self->target : wanted;
 }
 
 /* --- what the lamps may show --- */
@@ -141,7 +211,16 @@ static bool judge_pair(plan_oracle_t *self, uint32_t g, uint32_t h) {
     return true;
 }
 
-static bool judge_groups(plan_oracle_t *self, uint16_t demand, elmopp_lamps_t lamps) {
+static uint32_t asked_groups(const plan_oracle_t *self) {
+    uint32_t groups = 0U;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        groups |= waits(self, j) ? self->junction->movement[j].groups : 0U;
+    }
+    return groups;
+}
+
+static bool judge_groups(plan_oracle_t *self, elmopp_lamps_t lamps) {
+    const uint32_t demand = asked_groups(self);
     for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
         const bool exists = g < self->junction->group_count;
         const bool good = exists ? judge_group(self, g, aspect_of(lamps, g)) : is_unlit(lamps, g);
@@ -175,6 +254,7 @@ static uint32_t shown_stage(const plan_oracle_t *self, elmopp_lamps_t lamps) {
 
 static bool judge_state(plan_oracle_t *self, elmopp_lamps_t lamps, const elmopp_plan_t *plan) {
     const uint32_t shown = shown_stage(self, lamps);
+    self->settled = (self->target == ELMOPP_STAGE_NONE) ? ((lamps.green | lamps.amber) == 0U) : (shown == self->target);
     if (shown != self->shown) {
         self->shown = shown;
         self->shown_since = self->now;
@@ -210,11 +290,24 @@ static bool judge_haste(plan_oracle_t *self) {
     return true;
 }
 
-bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint16_t demand, elmopp_lamps_t lamps,
+/* The bound on red, and nothing but the bound. */
+static bool judge_waits(plan_oracle_t *self) {
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const long long waited = waits(self, j) ? ((self->now - self->asked[j]) + 1) : 0;
+        self->longest_wait = (waited > self->longest_wait) ? waited : self->longest_wait;
+        if ((self->junction->red_bound_ds != 0U) && (waited > self->junction->red_bound_ds)) {
+            return complain(self, "waits beyond the bound on red", j, (uint32_t)waited);
+        }
+    }
+    return true;
+}
+
+bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint32_t demand, elmopp_lamps_t lamps,
                        const elmopp_plan_t *plan) {
     self->now++;
-    expect_target(self, wanted, demand);
-    return judge_groups(self, demand, lamps) && judge_state(self, lamps, plan) && judge_haste(self);
+    hear(self, wanted, demand);
+    expect_target(self, wanted);
+    return judge_groups(self, lamps) && judge_state(self, lamps, plan) && judge_haste(self) && judge_waits(self);
 }
 
 uint32_t plan_oracle_bound(const elmopp_junction_t *junction) {
@@ -229,5 +322,5 @@ uint32_t plan_oracle_bound(const elmopp_junction_t *junction) {
                 (junction->intergreen_ds[g][h] > clearance_ds) ? junction->intergreen_ds[g][h] : clearance_ds;
         }
     }
-    return green_ds + clearance_ds;
+    return green_ds + clearance_ds + 2U;
 }

@@ -21,10 +21,14 @@ typedef struct {
 typedef struct {
     const elmopp_junction_t *junction;
     plan_oracle_group_t group[ELMOPP_GROUP_MAX];
+    long long asked[ELMOPP_MOVEMENT_MAX]; ///< tick of the first demand of this red; PLAN_ORACLE_NEVER: nobody waits
+    long long longest_wait;               ///< of anybody so far, in ticks
     long long now;
-    uint32_t shown;  ///< stage that the lamps show, ELMOPP_STAGE_NONE if none
-    uint32_t target; ///< stage that must come next
-    uint32_t forced; ///< changes of target that a maximum green asked for
+    uint32_t shown;   ///< stage that the lamps show, ELMOPP_STAGE_NONE if none
+    uint32_t target;  ///< stage that must come next
+    bool settled;     ///< the target is shown
+    uint32_t forced;  ///< targets that a maximum green asked for
+    uint32_t rescued; ///< ... and that the bound on red asked for
     long long shown_since;
     char complaint[120]; ///< empty as long as all is well
 } plan_oracle_t;
@@ -32,11 +36,12 @@ typedef struct {
 void plan_oracle_init(plan_oracle_t *self, const elmopp_junction_t *junction);
 
 /// Judges one tick. False and a complaint if a rule of plan.h or of the site is broken.
-bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint16_t demand, elmopp_lamps_t lamps,
+/// `demand`: mask of movements.
+bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint32_t demand, elmopp_lamps_t lamps,
                        const elmopp_plan_t *plan);
 
-/// Ticks in which any stage must be up after a wish that is heard: the longest minimum green and the longest
-/// intergreen.
+/// Ticks in which any stage must be up after a wish that is heard: the longest minimum green, the longest intergreen
+/// or amber, the tick of the wish and the one that sees it fulfilled.
 uint32_t plan_oracle_bound(const elmopp_junction_t *junction);
 
 #endif

@@ -14,13 +14,14 @@ static uint32_t only_group(uint16_t groups) {
     return g;
 }
 
-elmopp_lamps_t plan_tick(elmopp_plan_t *plan, elmopp_stage_t wanted, uint16_t demand) {
-    uint16_t red_ds[ELMOPP_MOVEMENT_MAX] = {0U};
-    elmopp_waiting_t waiting = {.movements = 0U, .red_ds = red_ds};
-    for (uint32_t j = 0U; j < plan->junction->movement_count; j++) {
-        const uint32_t g = only_group(plan->junction->movement[j].groups);
-        red_ds[j] = plan->group[g].since_green_ds;
-        waiting.movements |= elmopp_mask_has(demand, g) ? ((uint32_t)1U << j) : 0U;
+uint32_t plan_movements(const elmopp_junction_t *junction, uint16_t demand) {
+    uint32_t movements = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        movements |= elmopp_mask_has(demand, only_group(junction->movement[j].groups)) ? ((uint32_t)1U << j) : 0U;
     }
-    return elmopp_plan_step(plan, wanted, &waiting);
+    return movements;
+}
+
+elmopp_lamps_t plan_tick(elmopp_plan_t *plan, elmopp_stage_t wanted, uint16_t demand) {
+    return elmopp_plan_step(plan, wanted, plan_movements(plan->junction, demand));
 }

@@ -8,7 +8,10 @@
 
 #include "elmopp/plan.h"
 
-/// Every movement of a group in `demand` waits, red as long as its group.
+/// Mask of the movements whose group is in the mask of groups.
+uint32_t plan_movements(const elmopp_junction_t *junction, uint16_t demand);
+
+/// Somebody asks for every group in `demand`.
 elmopp_lamps_t plan_tick(elmopp_plan_t *plan, elmopp_stage_t wanted, uint16_t demand);
 
 #endif

@@ -34,11 +34,17 @@ elmopp_junction_t test_cross(uint32_t count) {
                                .stage_count = (uint8_t)count,
                                .hold_min_s = 10U,
                                .hold_max_s = 60U,
+                               .red_bound_ds = CROSS_RED_BOUND_DS,
+                               .cameras = (uint8_t)((1U << approaches) - 1U),
+                               .program_count = 1U,
                                .reach_m = 100.0F};
     for (uint32_t i = 0U; i < approaches; i++) {
         cross.approach_name[i][0] = 'A';
     }
+    cross.program[0].step_count = (uint8_t)count;
     for (uint32_t i = 0U; i < count; i++) {
+        cross.rescue_stage[i] = (uint8_t)i;
+        cross.program[0].step[i] = (elmopp_step_t){.green_ds = CROSS_PROGRAM_GREEN_DS, .stage = (uint8_t)i};
         cross.movement[i] = movement(i);
         cross.group[i] = group();
         cross.stage_groups[i] = (uint16_t)(1U << i);

@@ -25,6 +25,8 @@ extern const elmopp_junction_t *const test_sites[TEST_SITE_COUNT];
 #define CROSS_MIN_GREEN_DS 50U
 #define CROSS_MAX_GREEN_DS 200U
 #define CROSS_INTERGREEN_DS 55U
+#define CROSS_RED_BOUND_DS 6000U
+#define CROSS_PROGRAM_GREEN_DS 80U
 
 /// A valid street of `count` (1..16) approaches with one movement and one group each. All groups conflict, so stage i
 /// is group i. Capacity 10 vehicles, saturation flow 0.5 vehicles a second.

@@ -244,7 +244,7 @@ def misra_step() -> Step:
     command = ["cppcheck", "--quiet", "--error-exitcode=1", "--std=c11", "--language=c", "--addon=misra"]
     command += ["--enable=warning,style,performance,portability", "--suppressions-list=tools/misra-suppressions.txt"]
     command += ["--template={file}:{line}:{column}: {severity}: {message} [{id}]", "--template-location="]
-    return commands("cppcheck and MISRA", [*command, "-I", "firmware/include", "firmware/src"])
+    return commands("cppcheck and MISRA", [*command, "-I", "firmware/include", "-I", "firmware/can", "firmware/src"])
 
 
 def check_deviations() -> str | None:

@@ -19,7 +19,7 @@ EXIT_REFUSED = 2
 
 ROOT = Path(__file__).resolve().parents[2]
 
-LEVEL_0 = frozenset({"assert", "bounds", "chooser", "elementary", "image", "junction"})
+LEVEL_0 = frozenset({"assert", "bounds", "chooser", "elementary", "fault", "image", "junction", "lamps", "mode"})
 
 # Room: the rooms that it may know besides itself. A room that is not here may not exist.
 ROOMS: dict[str, frozenset[str]] = {
@@ -27,24 +27,49 @@ ROOMS: dict[str, frozenset[str]] = {
     "assert": frozenset(),
     "bounds": frozenset(),
     "elementary": frozenset(),
+    "fault": frozenset(),
     "image": frozenset(),
+    "lamps": frozenset({"bounds"}),
+    "mode": frozenset(),
     "junction": frozenset({"assert", "bounds"}),
     "chooser": frozenset({"bounds", "junction"}),
     # level 1: not each other
     "account": LEVEL_0,
     "ar8": LEVEL_0,
+    "detector": LEVEL_0,
+    "link": LEVEL_0,
     "lstm_f32": LEVEL_0,
+    "monitor": LEVEL_0,
     "plan": LEVEL_0,
     "site": LEVEL_0,
+    "timetable": LEVEL_0,
     # level 2: what is learnt, for both models
     "weights": LEVEL_0 | {"ar8", "lstm_f32"},
     # level 3: not each other; a chooser's forecast comes in the view
     "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
     "urgency": LEVEL_0,
     "pressure": LEVEL_0,
-    # level 4
+    # level 2: what goes over the bus, in the core's words
+    "frames": LEVEL_0 | {"detector", "link"},
+    # level 4: the inner seam
+    "pilot": LEVEL_0 | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
+    # level 5: the outer seam
     "controller": LEVEL_0
-    | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
+    | {
+        "account",
+        "ar8",
+        "detector",
+        "forecast",
+        "frames",
+        "link",
+        "lstm_f32",
+        "monitor",
+        "pilot",
+        "plan",
+        "site",
+        "timetable",
+        "weights",
+    },
 }
 
 # The standard headers that need no library.
@@ -63,6 +88,10 @@ CONTINUED = "\v"
 
 _COMMENT_OR_LITERAL = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'", re.DOTALL)
 _INCLUDE = re.compile(r"^[ \t\v]*(?:#|%:)[ \t\v]*(?:include|include_next|import)\b[ \t\v]*(.*?)[ \t\v]*$", re.MULTILINE)
+# The codec that tools/can generates lies beside its definition, and only those who speak to the bus include it.
+CODEC_HEADER = '"elmopp_can.h"'
+CODEC_ROOMS = frozenset({"frames", "controller"})
+
 _CORE_HEADER = re.compile(r'"elmopp/(\w+)\.h"')
 _SYMBOL = re.compile(r"(?P<member>.*): (?P<name>\S+) (?P<kind>\w)(?: |$)")
 
@@ -176,6 +205,8 @@ def _why_not_in_room(room: str, what: str) -> str | None:
         if what[1:-1] in SYSTEM_HEADERS:
             return None
         return f"the core includes only {', '.join(sorted(SYSTEM_HEADERS))} of the system"
+    if what == CODEC_HEADER:
+        return None if room in CODEC_ROOMS else f"only {', '.join(sorted(CODEC_ROOMS))} speak to the bus"
     header = _CORE_HEADER.fullmatch(what)
     if header is None:
         return 'the core includes only <system> headers and "elmopp/room.h"'

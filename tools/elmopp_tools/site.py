@@ -23,7 +23,7 @@ from elmopp_tools.outputs import (
 from elmopp_tools.site_build import build_junction
 from elmopp_tools.site_c import c_text
 from elmopp_tools.site_image import image_bytes
-from elmopp_tools.site_model import Junction, SiteError
+from elmopp_tools.site_model import Junction, SiteError, seconds
 from elmopp_tools.site_rules import check_junction
 from elmopp_tools.site_toml import read_document
 
@@ -32,7 +32,8 @@ Reads the description of one junction (a site file in TOML, see sites/), works o
 turns it into what the controller loads.
 
 A stage is a maximal set of signal groups that may be green together; all of them follow from the conflict table.
-Without --c and --image nothing is written: the site is checked and a summary is printed."""
+So does the shortest bound on red (red_bound_s) that the junction can keep, and a fixed-time programme if the file
+names none. Without --c and --image nothing is written: the site is checked and a summary is printed."""
 
 EPILOG = """\
 Exit codes: 0 done; 1 --check found a difference; 2 the site file or the request is wrong, with one line that says
@@ -109,7 +110,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def summary(junction: Junction) -> str:
-    """What the site is, for a person: counts and the stages by number."""
+    """What the site is, for a person: counts, the stages by number, and what it promises."""
     counts = {
         "approaches": len(junction.approaches),
         "movements": len(junction.movements),
@@ -120,7 +121,21 @@ def summary(junction: Junction) -> str:
     name = f"{junction.name} (simulation only)" if junction.simulation_only else junction.name
     head = f"{name}: " + ", ".join(f"{what} {count}" for what, count in counts.items())
     stages = [f"stage {index}: {' '.join(junction.group_names(mask))}" for index, mask in enumerate(junction.stages)]
-    return "\n".join([head, *stages])
+    return "\n".join([head, *stages, *_promises(junction)])
+
+
+def _promises(junction: Junction) -> list[str]:
+    """The bound on red and how it is kept, and what each programme shows."""
+    lines = []
+    if junction.red_bound_ds:
+        bounds = f"{seconds(junction.red_bound_ds)}, the shortest possible {seconds(junction.red_bound_min_ds())}"
+        lines.append(
+            f"bound on red: {bounds}, kept with stages {' '.join(map(str, sorted(set(junction.rescue_stages))))}"
+        )
+    for program in junction.programs:
+        steps = ", ".join(f"stage {step.stage} {seconds(step.green_ds)}" for step in program.steps)
+        lines.append(f"programme {program.name}: {steps}")
+    return lines
 
 
 def _say(path: Path | str, message: str) -> None:

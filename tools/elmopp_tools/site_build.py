@@ -7,17 +7,15 @@ Refuses what cannot be expressed (unknown names, odd resolutions, asymmetric con
 result is a junction that may stand in a street is said by site_rules.
 """
 
-import re
 import struct
 from collections import ChainMap
 from collections.abc import Sequence
-from typing import Any
 
+from elmopp_tools import site_hours
 from elmopp_tools.site_model import (
     APPROACH_MAX,
     GROUP_MAX,
     MOVEMENT_MAX,
-    NAME_SIZE,
     SITE_NAME_SIZE,
     STAGE_MAX,
     Group,
@@ -25,37 +23,62 @@ from elmopp_tools.site_model import (
     Movement,
     SiteError,
 )
+from elmopp_tools.site_words import Document, checked_name, index_of, list_names, mask_of, tenths
 from elmopp_tools.stages import addable_group, conflict_pair, enumerate_stages
 
 # A queued car takes its own length and the gap to the next one: 7.5 m from bumper to bumper is the usual figure.
 QUEUED_VEHICLE_M = 7.5
 
-Document = dict[str, Any]
+# What a street does after its self-test unless it says otherwise: flashing is long enough to be seen by those who come
+# and for a lamp node to leave its own flashing; red is long enough for those who are in the junction to leave it.
+START_FLASH_S = 10
+START_RED_S = 6
 
 
 def build_junction(document: Document) -> Junction:
     """The Junction that a schema-checked document describes."""
-    approaches = _names(document["approaches"], "approaches", "ELMOPP_APPROACH_MAX", APPROACH_MAX)
-    group_names = _names(document["groups"], "groups", "ELMOPP_GROUP_MAX", GROUP_MAX)
-    _names(document["movements"], "movements", "ELMOPP_MOVEMENT_MAX", MOVEMENT_MAX)
+    approaches = list_names(document["approaches"], "approaches", "ELMOPP_APPROACH_MAX", APPROACH_MAX)
+    group_names = list_names(document["groups"], "groups", "ELMOPP_GROUP_MAX", GROUP_MAX)
+    list_names(document["movements"], "movements", "ELMOPP_MOVEMENT_MAX", MOVEMENT_MAX)
     _check_arithmetic(document)
     conflict = _conflict_masks(document["conflicts"], group_names)
+    stages = _stages(document.get("stages"), conflict, group_names)
+    movements = tuple(_movement(document, item, approaches, group_names) for item in document["movements"])
+    groups = tuple(_group(item) for item in document["groups"])
+    simulation_only = document.get("simulation_only", False)
+    rescue = site_hours.rescue_stages(stages, movements)
+    programs = site_hours.programs(document.get("programs", []), stages, group_names)
+    if not programs and not simulation_only:
+        programs = (site_hours.default_program(rescue, stages, groups),)
+    detectors = document.get("detectors", {})
     return Junction(
-        name=_checked_name("name", document["name"], SITE_NAME_SIZE),
-        simulation_only=document.get("simulation_only", False),
+        name=checked_name("name", document["name"], SITE_NAME_SIZE),
+        simulation_only=simulation_only,
         discharge=document.get("discharge", "saturation"),
         chooser=document["chooser"],
         forecast=document["forecast"],
         hold_min_s=int(document["hold_s"][0]),
         hold_max_s=int(document["hold_s"][1]),
+        red_bound_ds=tenths("red_bound_s", document.get("red_bound_s", 0)),
+        start_flash_ds=tenths("start_flash_s", document.get("start_flash_s", 0 if simulation_only else START_FLASH_S)),
+        start_red_ds=tenths("start_red_s", document.get("start_red_s", 0 if simulation_only else START_RED_S)),
+        first_stage=_first_stage(document, stages, group_names),
+        cameras=mask_of(approaches, document.get("cameras", approaches), "cameras: approach"),
+        no_activity_min=int(detectors.get("no_activity_min", 0)),
+        max_presence_min=int(detectors.get("max_presence_min", 0)),
+        erratic_per_min=int(detectors.get("erratic_per_min", 0)),
         reach_m=single(document["reach_m"]),
         free_flow_m_per_s=_free_flow(document),
         approaches=approaches,
-        movements=tuple(_movement(document, item, approaches, group_names) for item in document["movements"]),
-        groups=tuple(_group(item) for item in document["groups"]),
+        movements=movements,
+        groups=groups,
         conflict=conflict,
-        stages=_stages(document.get("stages"), conflict, group_names),
+        stages=stages,
         intergreen_ds=_intergreen(document["intergreen_ds"], conflict, group_names),
+        rescue_stages=rescue,
+        programs=programs,
+        schedule=site_hours.schedule(document.get("schedule", []), programs),
+        special_days=site_hours.special_days(document.get("special_days", [])),
     )
 
 
@@ -63,43 +86,6 @@ def single(number: float) -> float:
     """The nearest IEEE 754 single-precision number, which is what the struct holds."""
     rounded: float = struct.unpack("<f", struct.pack("<f", number))[0]
     return rounded + 0.0  # no negative zero
-
-
-def tenths(path: str, time_s: float) -> int:
-    """Seconds as a whole number of tenths; a finer time is refused, not rounded."""
-    time_ds = round(time_s * 10)
-    if time_ds / 10 != time_s:
-        raise SiteError(f"{path} is finer than a tenth of a second", time_s, f"for example {time_ds / 10}")
-    return time_ds
-
-
-def _names(items: Sequence[Document], what: str, bound_name: str, bound: int) -> tuple[str, ...]:
-    """The names of a list of tables: not too many, well-formed, each once."""
-    if len(items) > bound:
-        raise SiteError(f"has too many {what}", len(items), f"{bound_name} is {bound}")
-    names = tuple(_checked_name(f"{what}[{index}].name", item["name"], NAME_SIZE) for index, item in enumerate(items))
-    for index, name in enumerate(names):
-        if name in names[:index]:
-            raise SiteError(f"{what}[{index}].name is taken", name, "every name once in its list")
-    return names
-
-
-def _checked_name(path: str, name: str, size: int) -> str:
-    if re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.+-]*", name) is None:
-        raise SiteError(f"{path} is not a name", name, "ASCII letters, digits and _ . + -, a letter or digit first")
-    if len(name) >= size:
-        raise SiteError(f"{path} has {len(name)} bytes", name, f"at most {size - 1}")
-    return name
-
-
-def _index(names: Sequence[str], name: str, path: str) -> int:
-    if name not in names:
-        raise SiteError(f"{path} is not known", name, f"one of {', '.join(names)}")
-    return names.index(name)
-
-
-def _mask(names: Sequence[str], chosen: Sequence[str], path: str) -> int:
-    return sum(1 << _index(names, name, path) for name in chosen)
 
 
 def _check_arithmetic(document: Document) -> None:
@@ -126,8 +112,8 @@ def _movement(document: Document, item: Document, approaches: Sequence[str], gro
     own_or_common = ChainMap(item, document)
     return Movement(
         name=name,
-        approach=_index(approaches, item["approach"], f"approach of movement {name}"),
-        groups=_mask(group_names, item["groups"], f"group of movement {name}"),
+        approach=index_of(approaches, item["approach"], f"approach of movement {name}"),
+        groups=mask_of(group_names, item["groups"], f"group of movement {name}"),
         lanes=lanes,
         capacity_veh=single(item.get("capacity_veh", lanes * document["reach_m"] / QUEUED_VEHICLE_M)),
         saturation_veh_per_s=single(lanes * own_or_common["saturation_veh_per_s"]),
@@ -143,14 +129,21 @@ def _group(item: Document) -> Group:
         red_amber_ds=tenths(f"red_amber_s of group {name}", item.get("red_amber_s", 0)),
         min_green_ds=tenths(f"min_green_s of group {name}", item["min_green_s"]),
         max_green_ds=tenths(f"max_green_s of group {name}", item.get("max_green_s", 0)),
+        node=int(item.get("node", 0)),
+        flash=item.get("flash", "amber"),
     )
+
+
+def _first_stage(document: Document, stages: Sequence[int], names: Sequence[str]) -> int:
+    written = document.get("first_stage")
+    return 0 if written is None else site_hours.stage_of("first_stage", written, stages, names)
 
 
 def _conflict_masks(conflicts: dict[str, list[str]], names: Sequence[str]) -> tuple[int, ...]:
     """The symmetric conflict masks; an entry that is written from one side only is refused, not completed."""
     for name, against in conflicts.items():
-        _index(names, name, "conflicts: group")
-        _mask(names, against, f"conflicts.{name}: group")
+        index_of(names, name, "conflicts: group")
+        mask_of(names, against, f"conflicts.{name}: group")
         if name in against:
             raise SiteError(f"conflicts.{name} names itself", name, "only other groups")
         for other in against:
@@ -159,7 +152,7 @@ def _conflict_masks(conflicts: dict[str, list[str]], names: Sequence[str]) -> tu
                 raise SiteError(
                     wrong, f"{name}, {other}", f"{name} in conflicts.{other}, or {other} not in conflicts.{name}"
                 )
-    return tuple(_mask(names, conflicts.get(name, []), f"conflicts.{name}") for name in names)
+    return tuple(mask_of(names, conflicts.get(name, []), f"conflicts.{name}") for name in names)
 
 
 def _intergreen(
@@ -178,9 +171,9 @@ def _intergreen(
 
 def _check_intergreen_names(written: dict[str, dict[str, int]], conflict: Sequence[int], names: Sequence[str]) -> None:
     for ending, row in written.items():
-        end = _index(names, ending, "intergreen_ds: ending group")
+        end = index_of(names, ending, "intergreen_ds: ending group")
         for starting, time_ds in row.items():
-            start = _index(names, starting, f"intergreen_ds.{ending}: starting group")
+            start = index_of(names, starting, f"intergreen_ds.{ending}: starting group")
             if not conflict[end] >> start & 1:
                 wrong = f"intergreen_ds from {ending} to {starting}, which do not conflict"
                 raise SiteError(wrong, time_ds, "leave it out, or make them conflict in conflicts")
@@ -208,7 +201,7 @@ def _stages(written: list[list[str]] | None, conflict: Sequence[int], names: Seq
         return tuple(enumerated)
     order: list[int] = []
     for index, stage_names in enumerate(written):
-        stage = _mask(names, stage_names, f"stages[{index}]: group")
+        stage = mask_of(names, stage_names, f"stages[{index}]: group")
         _check_stage(f"stages[{index}]", stage, stage_names, conflict, names)
         if stage in order:
             raise SiteError(f"stages[{index}] is stage {order.index(stage)} again", stage_names, "every stage once")

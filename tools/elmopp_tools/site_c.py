@@ -6,7 +6,7 @@
 import re
 from collections.abc import Iterator
 
-from elmopp_tools.site_model import Group, Junction, Movement
+from elmopp_tools.site_model import SCHEDULE_FLASH, WEEKDAYS, Group, Junction, Movement, Program, ScheduleLine
 from elmopp_tools.stages import bits_of
 
 
@@ -60,6 +60,8 @@ def _members(junction: Junction) -> Iterator[str]:
     )
     yield from _block("stage_groups", (_set(junction, i, mask, "") for i, mask in enumerate(junction.stages)))
     yield from _intergreens(junction)
+    yield from _block("rescue_stage", (_rescue(junction, i) for i in range(len(junction.movements))))
+    yield from _hours(junction)
 
 
 def _head(junction: Junction) -> list[str]:
@@ -75,6 +77,17 @@ def _head(junction: Junction) -> list[str]:
         f".forecast = ELMOPP_FORECAST_{junction.forecast.upper()},",
         f".hold_min_s = {junction.hold_min_s}U,",
         f".hold_max_s = {junction.hold_max_s}U,",
+        f".red_bound_ds = {junction.red_bound_ds}U,",
+        f".start_flash_ds = {junction.start_flash_ds}U,",
+        f".start_red_ds = {junction.start_red_ds}U,",
+        f".first_stage = {junction.first_stage}U,",
+        f".cameras = 0x{junction.cameras:02X}U,",
+        f".no_activity_min = {junction.no_activity_min}U,",
+        f".max_presence_min = {junction.max_presence_min}U,",
+        f".erratic_per_min = {junction.erratic_per_min}U,",
+        f".program_count = {len(junction.programs)}U,",
+        f".schedule_count = {len(junction.schedule)}U,",
+        f".special_day_count = {len(junction.special_days)}U,",
         f".reach_m = {float_literal(junction.reach_m)},",
         f".free_flow_m_per_s = {float_literal(junction.free_flow_m_per_s)},",
     ]
@@ -99,7 +112,8 @@ def _movement(index: int, movement: Movement) -> str:
 def _group(index: int, group: Group) -> str:
     return (
         f'[{index}] = {{ .name = "{group.name}", .amber_ds = {group.amber_ds}U, .red_amber_ds = {group.red_amber_ds}U, '
-        f".min_green_ds = {group.min_green_ds}U, .max_green_ds = {group.max_green_ds}U }},"
+        f".min_green_ds = {group.min_green_ds}U, .max_green_ds = {group.max_green_ds}U, .node = {group.node}U, "
+        f".flash = ELMOPP_FLASH_{group.flash.upper()} }},"
     )
 
 
@@ -116,3 +130,31 @@ def _intergreen_row(junction: Junction, end: int) -> str:
     row = junction.intergreen_ds[end]
     cells = ", ".join(f"[{start}] = {row[start]}U" for start in bits_of(junction.conflict[end]))
     return f"[{end}] = {{ {cells or '0U'} }}, /* {junction.groups[end].name} ends */"
+
+
+def _rescue(junction: Junction, index: int) -> str:
+    return f"[{index}] = {junction.rescue_stages[index]}U, /* {junction.movements[index].name} */"
+
+
+def _hours(junction: Junction) -> Iterator[str]:
+    """Members without a row stay zero, which an empty initialiser would not be in C."""
+    if junction.programs:
+        yield from _block("program", (_program(i, item) for i, item in enumerate(junction.programs)))
+    if junction.schedule:
+        yield from _block("schedule", (_line(i, item) for i, item in enumerate(junction.schedule)))
+    if junction.special_days:
+        days = junction.special_days
+        rows = (f"[{i}] = {{ .day = {day.day}U, .weekday = {day.weekday}U }}," for i, day in enumerate(days))
+        yield from _block("special_day", rows)
+
+
+def _program(index: int, program: Program) -> str:
+    steps = ", ".join(f"{{ .green_ds = {step.green_ds}U, .stage = {step.stage}U }}" for step in program.steps)
+    return f"[{index}] = {{ .step = {{ {steps} }}, .step_count = {len(program.steps)}U }}, /* {program.name} */"
+
+
+def _line(index: int, line: ScheduleLine) -> str:
+    program = "ELMOPP_SCHEDULE_FLASH" if line.program == SCHEDULE_FLASH else f"{line.program}U"
+    days = " ".join(name for i, name in enumerate(WEEKDAYS) if line.weekdays >> i & 1)
+    members = f".from_min = {line.from_min}U, .weekdays = 0x{line.weekdays:02X}U, .program = {program}"
+    return f"[{index}] = {{ {members} }}, /* {line.from_min // 60:02}:{line.from_min % 60:02} {days} */"

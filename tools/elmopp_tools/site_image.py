@@ -10,25 +10,36 @@ from elmopp_tools.site_model import (
     APPROACH_MAX,
     CHOOSERS,
     DISCHARGES,
+    FLASHES,
     FORECASTS,
     GROUP_MAX,
     MOVEMENT_MAX,
     NAME_SIZE,
+    PROGRAM_MAX,
+    SCHEDULE_MAX,
     SITE_NAME_SIZE,
+    SPECIAL_DAY_MAX,
     STAGE_MAX,
+    STEP_MAX,
     Group,
     Junction,
     Movement,
+    Program,
 )
 
 MAGIC = b"ELMS"
-VERSION = 1
+VERSION = 2
 
 WORD_SIZE = 2
 
-_HEAD = struct.Struct(f"<{SITE_NAME_SIZE}s8B2H2f")
+_HEAD = struct.Struct(f"<{SITE_NAME_SIZE}s8B5H8B2x2f")
 _MOVEMENT = struct.Struct(f"<{NAME_SIZE}sffHHBB2x")
-_GROUP = struct.Struct(f"<{NAME_SIZE}s4H")
+_GROUP = struct.Struct(f"<{NAME_SIZE}s4H2B")
+_STEP = struct.Struct("<HBx")
+_PROGRAM_TAIL = struct.Struct("<B3x")
+_SCHEDULE = struct.Struct("<HBB")
+_SPECIAL_DAY = struct.Struct("<HBx")
+_PROGRAM_SIZE = STEP_MAX * _STEP.size + _PROGRAM_TAIL.size
 
 
 def image_bytes(junction: Junction) -> bytes:
@@ -47,6 +58,18 @@ def body_bytes(junction: Junction) -> bytes:
             _rows([_word(mask) for mask in junction.conflict], GROUP_MAX, WORD_SIZE),
             _rows([_word(mask) for mask in junction.stages], STAGE_MAX, WORD_SIZE),
             _rows([_intergreen_row(row) for row in junction.intergreen_ds], GROUP_MAX, GROUP_MAX * WORD_SIZE),
+            bytes(junction.rescue_stages).ljust(MOVEMENT_MAX, b"\0"),
+            _rows([_program(program) for program in junction.programs], PROGRAM_MAX, _PROGRAM_SIZE),
+            _rows(
+                [_SCHEDULE.pack(line.from_min, line.weekdays, line.program) for line in junction.schedule],
+                SCHEDULE_MAX,
+                _SCHEDULE.size,
+            ),
+            _rows(
+                [_SPECIAL_DAY.pack(day.day, day.weekday) for day in junction.special_days],
+                SPECIAL_DAY_MAX,
+                _SPECIAL_DAY.size,
+            ),
         ]
     )
 
@@ -81,6 +104,17 @@ def _head(junction: Junction) -> bytes:
         FORECASTS.index(junction.forecast),
         junction.hold_min_s,
         junction.hold_max_s,
+        junction.red_bound_ds,
+        junction.start_flash_ds,
+        junction.start_red_ds,
+        junction.first_stage,
+        junction.cameras,
+        junction.no_activity_min,
+        junction.max_presence_min,
+        junction.erratic_per_min,
+        len(junction.programs),
+        len(junction.schedule),
+        len(junction.special_days),
         junction.reach_m,
         junction.free_flow_m_per_s,
     )
@@ -99,4 +133,17 @@ def _movement(movement: Movement) -> bytes:
 
 
 def _group(group: Group) -> bytes:
-    return _GROUP.pack(_name(group.name), group.amber_ds, group.red_amber_ds, group.min_green_ds, group.max_green_ds)
+    return _GROUP.pack(
+        _name(group.name),
+        group.amber_ds,
+        group.red_amber_ds,
+        group.min_green_ds,
+        group.max_green_ds,
+        group.node,
+        FLASHES.index(group.flash),
+    )
+
+
+def _program(program: Program) -> bytes:
+    steps = _rows([_STEP.pack(step.green_ds, step.stage) for step in program.steps], STEP_MAX, _STEP.size)
+    return steps + _PROGRAM_TAIL.pack(len(program.steps))

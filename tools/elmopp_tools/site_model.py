@@ -14,12 +14,23 @@ APPROACH_MAX = 8
 MOVEMENT_MAX = 24
 GROUP_MAX = 16
 STAGE_MAX = 32
+APPROACH_MOVEMENT_MAX = 3
+NODE_MAX = 8
+PROGRAM_MAX = 4
+STEP_MAX = 16
+SCHEDULE_MAX = 16
+SPECIAL_DAY_MAX = 16
 SITE_NAME_SIZE = 24
 NAME_SIZE = 12
 
 DISCHARGES = ("saturation", "greenshields", "nolock")
 CHOOSERS = ("naive", "cumulative", "pressure")
 FORECASTS = ("none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm")
+
+FLASHES = ("amber", "red", "dark")
+WEEKDAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")
+SCHEDULE_FLASH = 255
+CHANGE_TICKS = 2  # elmopp_junction_change_ds(): the tick that asks, and the one that sees
 
 SHOWN_LENGTH_MAX = 80
 SHOWN_BITS_MAX = 64
@@ -67,6 +78,41 @@ class Group:
     red_amber_ds: int
     min_green_ds: int
     max_green_ds: int
+    node: int
+    flash: str
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of a programme: the index of a stage and how long it is shown."""
+
+    stage: int
+    green_ds: int
+
+
+@dataclass(frozen=True)
+class Program:
+    """A fixed-time programme."""
+
+    name: str
+    steps: tuple[Step, ...]
+
+
+@dataclass(frozen=True)
+class ScheduleLine:
+    """From this minute of these weekdays (a mask) a programme holds, an index or SCHEDULE_FLASH."""
+
+    from_min: int
+    weekdays: int
+    program: int
+
+
+@dataclass(frozen=True)
+class SpecialDay:
+    """A date, days since 2000-01-01, that follows another weekday's lines."""
+
+    day: int
+    weekday: int
 
 
 @dataclass(frozen=True)
@@ -80,6 +126,14 @@ class Junction:
     forecast: str
     hold_min_s: int
     hold_max_s: int
+    red_bound_ds: int
+    start_flash_ds: int
+    start_red_ds: int
+    first_stage: int
+    cameras: int
+    no_activity_min: int
+    max_presence_min: int
+    erratic_per_min: int
     reach_m: float
     free_flow_m_per_s: float
     approaches: tuple[str, ...]
@@ -88,10 +142,27 @@ class Junction:
     conflict: tuple[int, ...]
     stages: tuple[int, ...]
     intergreen_ds: tuple[tuple[int, ...], ...]
+    rescue_stages: tuple[int, ...]
+    programs: tuple[Program, ...]
+    schedule: tuple[ScheduleLine, ...]
+    special_days: tuple[SpecialDay, ...]
 
     def group_names(self, mask: int) -> list[str]:
         """Names of the groups of a mask, in site order."""
         return [group.name for index, group in enumerate(self.groups) if mask >> index & 1]
+
+    def change_ds(self) -> int:
+        """Longest time from the moment a stage may be left until any other is shown."""
+        clearances = [time_ds for row in self.intergreen_ds for time_ds in row] + [g.amber_ds for g in self.groups]
+        return max(group.min_green_ds for group in self.groups) + max(clearances) + CHANGE_TICKS
+
+    def red_bound_min_ds(self) -> int:
+        """The shortest bound on red that can be kept: a change under way, and one for each rescue stage."""
+        return (1 + len(set(self.rescue_stages))) * self.change_ds()
+
+    def serves(self, stage: int, movement: "Movement") -> bool:
+        """True if a stage lets a movement go."""
+        return self.stages[stage] & movement.groups == movement.groups
 
     def conflict_count(self) -> int:
         """Unordered pairs of groups that conflict."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 
-"""Enumerates stages: the maximal sets of signal groups that may be green together.
+"""Enumerates stages: the maximal sets of signal groups that may be green together; and the fewest that serve all.
 
 Sets of groups are bit masks: bit g is group g. A stage is a maximal clique of the compatibility graph, found with
 Bron-Kerbosch and a pivot.
@@ -61,3 +61,29 @@ def addable_group(conflict: Sequence[int], stage: int) -> int | None:
         if not stage >> group & 1 and not against & stage:
             return group
     return None
+
+
+def smallest_cover(sets: Sequence[int], needed: int) -> tuple[int, ...]:
+    """Indices of the fewest sets that together hold all needed bits; of several such choices the first in order.
+
+    Every needed bit must be in some set. Exact: the number is the smallest for which a cover exists, and a set is taken
+    as soon as the ones after it can do the rest.
+    """
+    count = next(count for count in range(len(sets) + 1) if _can_cover(sets, needed, count))
+    chosen: list[int] = []
+    for index, held in enumerate(sets):
+        rest = count - len(chosen) - 1
+        if needed and _can_cover(sets[index + 1 :], needed & ~held, rest):
+            chosen.append(index)
+            needed &= ~held
+    return tuple(chosen)
+
+
+def _can_cover(sets: Sequence[int], needed: int, count: int) -> bool:
+    """True if `count` of the sets hold all needed bits. Branches on the bit that the fewest sets hold."""
+    if not needed:
+        return True
+    if count <= 0 or max((held & needed).bit_count() for held in (0, *sets)) * count < needed.bit_count():
+        return False
+    rarest = min(bits_of(needed), key=lambda bit: sum(held >> bit & 1 for held in sets))
+    return any(_can_cover(sets, needed & ~held, count - 1) for held in sets if held >> rarest & 1)

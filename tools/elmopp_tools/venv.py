@@ -17,7 +17,7 @@ _TOOLS = Path(__file__).resolve().parents[1]
 # The modules that each environment is there for; an interpreter that has them all will do in its place.
 _MODULES = {
     "base": ("jsonschema", "matplotlib", "numpy", "safetensors", "scipy"),
-    "check": ("jsonschema", "matplotlib", "mypy", "numpy", "pytest", "safetensors", "scipy"),
+    "check": ("cantools", "jsonschema", "matplotlib", "mypy", "numpy", "pytest", "safetensors", "scipy"),
     "train": ("jax", "numpy", "optax", "safetensors", "scipy"),
     "bench": ("numpy", "onnx", "onnxruntime", "safetensors"),
 }

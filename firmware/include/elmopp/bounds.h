@@ -15,7 +15,15 @@
 #define ELMOPP_STAGE_MAX 32U    ///< stages (the paper's configurations) of one junction
 #define ELMOPP_HORIZON_MAX 150U ///< seconds that a forecast can look ahead
 
+#define ELMOPP_APPROACH_MOVEMENT_MAX 3U ///< movements of one approach that its counts can carry over the bus
+#define ELMOPP_NODE_MAX 8U              ///< lamp nodes of one junction
+#define ELMOPP_PROGRAM_MAX 4U           ///< fixed-time programmes of one junction
+#define ELMOPP_STEP_MAX 16U             ///< steps of one programme
+#define ELMOPP_SCHEDULE_MAX 16U         ///< lines of the weekly schedule
+#define ELMOPP_SPECIAL_DAY_MAX 16U      ///< dates that follow another weekday's schedule
+
 #define ELMOPP_STAGE_NONE 63U ///< "no stage": before the first decision and during an intergreen
+#define ELMOPP_STAGE_RED 62U  ///< a wish only: no group green
 
 #define ELMOPP_LAMP_TICK_DS 1U      ///< the plan moves every 100 ms
 #define ELMOPP_LAMP_TICKS_PER_S 10U ///< lamp ticks between two decisions

@@ -1,85 +1,135 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// Controller: joins forecast, chooser and plan. The seam between core and world.
+/// Controller: the junction as a whole. The outer seam between core and world: frames in, frames out.
 ///
-/// Once a second elmopp_controller_step() takes real-valued counts and asks the chooser for a stage; every 100 ms
-/// elmopp_controller_lamp_tick() moves the plan and returns the lamps. Order of a second: one step, then ten lamp
-/// ticks. A network whose account of the last minutes is worse than the mean's is not listened to
-/// until it is better again; its rows are then the mean. It counts T, the time since each movement was green, from the
-/// lamps that it returned and from nothing else.
+/// Joins link, detector, pilot, timetable, mode and monitor. It decides when each of them is asked, and which lamps are
+/// driven: the pilot's in the steady modes, flashing as the site says or darkness otherwise. Whatever the pilot says,
+/// the monitor sees it first; its first fault, or one of the controller's own, ends in flashing.
 ///
-/// Owns the state of forecast and plan; the chooser's state and the junction belong to the caller and must outlive it.
-/// It reads no clock, does no I/O, allocates nothing. Not thread-safe; one owner.
+/// A fault latches. It is cleared only with the local reset input held, by the two commands clear_fault_prepare and
+/// clear_fault_confirm that both name it, within ELMOPP_CONTROLLER_CLEAR_DS of each other; anything less is refused and
+/// counted. What follows is Starting, never what was before.
+///
+/// Diagnosis goes on all the time: the site's data and the weights are summed up again and again, a piece a tick, and
+/// compared with what was checked at the start.
+///
+/// Time. A lamp tick is 100 ms. elmopp_controller_tick() may be called as often as one likes with a clock that only
+/// goes forward, in milliseconds, and may wrap: it does something when a tick is due. Ticks keep to a grid, at least 50
+/// ms apart, so that so many ticks never take less than so many tenths of a second but 50 ms. Ticks that could not be
+/// done in time are left out, which makes every interval longer and none shorter. After more than
+/// ELMOPP_CONTROLLER_LATE_MS the lamp nodes have begun to flash by themselves, so that it is a fault, as is a clock
+/// that jumps.
+///
+/// It reads no clock, does no I/O, keeps no static state, allocates nothing. Not thread-safe; one owner, the port.
 
 #ifndef ELMOPP_CONTROLLER_H
 #define ELMOPP_CONTROLLER_H
 
-#include "elmopp/chooser.h"
-#include "elmopp/forecast.h"
-#include "elmopp/plan.h"
+#include "elmopp/detector.h"
+#include "elmopp/fault.h"
+#include "elmopp/frames.h"
+#include "elmopp/link.h"
+#include "elmopp/mode.h"
+#include "elmopp/monitor.h"
+#include "elmopp/pilot.h"
+#include "elmopp/timetable.h"
 
-/// The decision log shows each approach's forecast summed over so many seconds.
-#define ELMOPP_CONTROLLER_TRACE_S 60U
+/// Frames that one tick writes at most: LampCommand, ControllerStatus and a Forecast an approach.
+#define ELMOPP_FRAMES_PER_TICK (2U + ELMOPP_APPROACH_MAX)
 
-/// A network's forecast is trusted again, or not, once so many seconds of its account (account.h) are in.
-#define ELMOPP_CONTROLLER_ACCOUNT_MIN_S 60U
+#define ELMOPP_CONTROLLER_TICK_MS 100U
+#define ELMOPP_CONTROLLER_LATE_MS 300U      ///< the lamp nodes' time-out
+#define ELMOPP_CONTROLLER_SELF_TEST_DS 300U ///< the lamps must all read back within so long after the start
+#define ELMOPP_CONTROLLER_TEST_GOOD_DS 10U  ///< ... for so long
+#define ELMOPP_CONTROLLER_CLEAR_DS 100U     ///< between the two commands that clear a fault
 
-/// A movement waits if at least this many vehicles are counted on it.
-#define ELMOPP_CONTROLLER_DEMAND_VEH 1.0F
-
-/// What was counted in the last second. Arrays of movement_count values, finite and >= 0.
+/// What a controller is made of. All pointers must outlive it.
 typedef struct {
-    const float *present_veh; ///< vehicles inside the reach
-    const float *arrived_veh; ///< vehicles that came in the last second
-} elmopp_counts_t;
+    const elmopp_junction_t *junction; ///< has passed elmopp_site_check()
+    elmopp_chooser_t chooser;
+    elmopp_forecast_config_t forecast;
+} elmopp_controller_config_t;
 
-/// A forecast from outside (a simulator's oracle): rows as in elmopp_view_t.
+/// Milliseconds of a monotonic clock; wraps.
+typedef uint32_t elmopp_ms_t;
+
+/// A checksum that goes round and round over data that must not change.
 typedef struct {
-    const float *row_veh[ELMOPP_APPROACH_MAX];
-    uint16_t steps; ///< at most ELMOPP_HORIZON_MAX
-} elmopp_foreseen_t;
+    const uint8_t *bytes; ///< null: nothing to watch
+    uint32_t length;
+    uint32_t at;       ///< next byte
+    uint32_t sum;      ///< of the bytes before it
+    uint32_t expected; ///< of all
+} elmopp_watch_t;
 
-/// Where the chooser's rows come from.
-typedef enum {
-    ELMOPP_FORESIGHT_OWN = 0,   ///< the forecast that was asked for
-    ELMOPP_FORESIGHT_GIVEN,     ///< from outside
-    ELMOPP_FORESIGHT_COLD,      ///< the mean: the forecast has seen too little
-    ELMOPP_FORESIGHT_UNARMED,   ///< the mean: the network's weights cannot be used
-    ELMOPP_FORESIGHT_DISTRUSTED ///< the mean: the network has lately done worse than the mean
-} elmopp_foresight_t;
+/// The bus as the controller sees it.
+typedef struct {
+    elmopp_link_t camera[ELMOPP_APPROACH_MAX];
+    elmopp_link_t node[ELMOPP_NODE_MAX];
+    elmopp_link_t command;
+    elmopp_lamps_t measured; ///< all nodes together
+    uint8_t used_nodes;      ///< mask
+    uint8_t unwell_nodes;    ///< mask: a lamp fault, or flashing by themselves
+    uint8_t lamp_counter;    ///< of the frames to send
+    uint8_t status_counter;
+    uint8_t forecast_counter[ELMOPP_APPROACH_MAX];
+    uint8_t refused; ///< frames and commands, modulo 256
+} elmopp_bus_t;
 
-/// State. Set up by elmopp_controller_init(); read `score`, `foreseen_sum_veh` and `foresight` for the log, write
-/// nothing.
+/// State. Set up by elmopp_controller_init(); read it for a log, write nothing.
 typedef struct {
     const elmopp_junction_t *junction;
-    elmopp_chooser_t chooser;
-    elmopp_forecast_t forecast;
-    elmopp_plan_t plan;
-    uint16_t red_ds[ELMOPP_MOVEMENT_MAX]; ///< T; saturates
-    uint32_t going;                       ///< mask of the movements that are green
-    uint32_t waiting;                     ///< mask of the movements that waited on red in the last second
-    elmopp_stage_t wanted;
-    elmopp_foresight_t foresight;                ///< of the last second
-    float score[ELMOPP_STAGE_MAX];               ///< the chooser's scores in the last second
-    float foreseen_sum_veh[ELMOPP_APPROACH_MAX]; ///< forecast of the next ELMOPP_CONTROLLER_TRACE_S seconds
+    elmopp_pilot_t pilot;
+    elmopp_monitor_t monitor;
+    elmopp_detector_t detector;
+    elmopp_timetable_t timetable;
+    elmopp_bus_t bus;
+    elmopp_watch_t site_watch;
+    elmopp_watch_t weights_watch;
+    float present_veh[ELMOPP_MOVEMENT_MAX]; ///< as the pilot saw them in the last second
+    float arrived_veh[ELMOPP_MOVEMENT_MAX];
+    elmopp_lamps_t lamps; ///< driven now
+    elmopp_mode_t mode;
+    elmopp_wish_t wish;
+    elmopp_fault_t fault; ///< the first since the last Starting
+    uint8_t fault_group;
+    elmopp_stage_t manual_stage;
+    uint8_t program;     ///< of the hour, or ELMOPP_SCHEDULE_FLASH
+    uint16_t mode_ds;    ///< age of the mode; saturates
+    uint16_t test_ds;    ///< the lamps have read back for so long
+    uint16_t clear_ds;   ///< time left to confirm; 0: nothing is prepared
+    uint16_t weights_id; ///< low 12 bits of the weights' checksum; 0: none
+    uint8_t second_ds;   ///< ticks since the last decision
+    bool reset_held;
+    bool cleared; ///< the fault has just been cleared
+    bool wall_known;
+    uint8_t wall_ds;
+    uint32_t wall_s; ///< local seconds since 2000-01-01
+    bool ticking;
+    elmopp_ms_t last_ms;  ///< of the last tick
+    elmopp_ms_t due_ms;   ///< of the next
+    elmopp_status_t told; ///< the last ControllerStatus
+    uint8_t told_ds;      ///< its age
 } elmopp_controller_t;
 
-/// All red, cold forecast. Asserts a junction that passes elmopp_site_check_counts() and a horizon within
-/// ELMOPP_HORIZON_MAX.
-void elmopp_controller_init(elmopp_controller_t *self, const elmopp_junction_t *junction,
-                            const elmopp_chooser_t *chooser, const elmopp_forecast_config_t *forecast);
+/// Mode Starting. Asserts a junction that passes elmopp_site_check(): whoever has none drives no lamp, and the lamp
+/// nodes flash by themselves.
+void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_config_t *config);
 
-/// Shows the forecast one second of arrivals without deciding: a warm start from recorded traffic.
-void elmopp_controller_absorb(elmopp_controller_t *self, const float *arrived_veh);
+/// The port's own findings: ELMOPP_FAULT_MEMORY, ELMOPP_FAULT_PROCESSOR.
+void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault);
 
-/// Decides, once a second. With `foreseen` (null: none) its rows replace the forecast's. False if a count is negative
-/// or not finite: nothing is learnt, the wish stays, and every movement on red counts as waiting, so that maximum
-/// greens still end.
-bool elmopp_controller_step(elmopp_controller_t *self, const elmopp_counts_t *counts,
-                            const elmopp_foreseen_t *foreseen);
+/// The local reset input, a key switch: held or not.
+void elmopp_controller_hold_reset(elmopp_controller_t *self, bool held);
 
-/// Moves the plan by one lamp tick (100 ms) and returns the lamps until the next.
-elmopp_lamps_t elmopp_controller_lamp_tick(elmopp_controller_t *self);
+/// Offers one received frame. False if it is not for us, or is repeated, out of order, corrupt or a command that is
+/// refused; what it would have changed is then unchanged.
+bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *frame);
+
+/// Advances by one lamp tick if one is due: decides if a decision is due, moves the plan, has the monitor judge it, and
+/// writes the frames to send. Returns how many; 0 if no tick was due.
+uint32_t elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms,
+                                elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK]);
 
 #endif

@@ -5,7 +5,7 @@
 ///
 /// Absorbs one observation a second, looks ahead as far as the chooser asks and keeps account of its own error. It
 /// decides nothing: whether a forecast is good enough to be used is the controller's to say. `oracle` is not here: a
-/// simulator that knows the future hands its rows to elmopp_controller_step() itself.
+/// simulator that knows the future hands its rows to elmopp_pilot_step() itself.
 ///
 ///   none         no row: the chooser sees no further inflow
 ///   mean         the given long-run mean, or the running mean of the last 15 minutes, in every step

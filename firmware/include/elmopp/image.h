@@ -33,4 +33,10 @@ typedef struct {
 /// First fault of `length` bytes that ought to be an image of this kind; its body begins at ELMOPP_IMAGE_HEADER.
 elmopp_image_fault_t elmopp_image_check(const elmopp_image_kind_t *kind, const uint8_t *image, uint32_t length);
 
+/// The sum of no bytes.
+#define ELMOPP_IMAGE_SUM_START 0xFFFFFFFFU
+
+/// Goes on with a sum over `length` more bytes. The CRC-32 of all bytes is the complement of their sum.
+uint32_t elmopp_image_sum(uint32_t sum, const uint8_t *bytes, uint32_t length);
+
 #endif

@@ -50,6 +50,18 @@ enum {
     ELMOPP_FORECAST_COUNT = 7
 };
 
+/// How a group flashes when the junction flashes.
+enum {
+    ELMOPP_FLASH_AMBER = 0, ///< go with care
+    ELMOPP_FLASH_RED = 1,   ///< stop, then go with care (pedestrians: don't walk)
+    ELMOPP_FLASH_DARK = 2   ///< shows nothing
+};
+
+/// What a line of the schedule may start instead of a programme.
+enum {
+    ELMOPP_SCHEDULE_FLASH = 255 ///< night flash
+};
+
 /// One movement. Counts of it arrive once a second as real-valued vehicles.
 typedef struct {
     char name[ELMOPP_NAME_SIZE]; ///< zero-terminated
@@ -69,7 +81,37 @@ typedef struct {
     uint16_t red_amber_ds;       ///< red with amber before green; 0: none
     uint16_t min_green_ds;       ///< a green is never shorter
     uint16_t max_green_ds;       ///< counted from the first conflicting demand; 0: no bound
+    uint8_t node;                ///< the lamp node that drives it, and whose feedback tells of it
+    uint8_t flash;               ///< ELMOPP_FLASH_*
 } elmopp_group_t;
+
+/// One step of a fixed-time programme: a stage and how long it is shown.
+typedef struct {
+    uint16_t green_ds; ///< at least the minimum green of all its groups
+    uint8_t stage;
+    uint8_t reserved;
+} elmopp_step_t;
+
+/// One fixed-time programme, run round and round. It serves every movement.
+typedef struct {
+    elmopp_step_t step[ELMOPP_STEP_MAX];
+    uint8_t step_count;
+    uint8_t reserved[3];
+} elmopp_program_t;
+
+/// One line of the weekly schedule: it holds from this minute until the next line's, over midnight and weekends too.
+typedef struct {
+    uint16_t from_min; ///< minute of the day, local time
+    uint8_t weekdays;  ///< mask, bit 0 Monday to bit 6 Sunday
+    uint8_t program;   ///< index, or ELMOPP_SCHEDULE_FLASH
+} elmopp_schedule_t;
+
+/// One date that follows another weekday's lines.
+typedef struct {
+    uint16_t day;    ///< days since 2000-01-01
+    uint8_t weekday; ///< 0 Monday to 6 Sunday
+    uint8_t reserved;
+} elmopp_special_day_t;
 
 /// One junction.
 typedef struct {
@@ -78,26 +120,42 @@ typedef struct {
     uint8_t movement_count;
     uint8_t group_count;
     uint8_t stage_count;
-    uint8_t simulation_only; ///< 1: may have zero clearance, never drives real lamps; 0: a street
-    uint8_t discharge;       ///< ELMOPP_DISCHARGE_*
-    uint8_t chooser;         ///< ELMOPP_CHOOSER_*
-    uint8_t forecast;        ///< ELMOPP_FORECAST_*
-    uint16_t hold_min_s;     ///< the chooser's window: a stage is never left before
-    uint16_t hold_max_s;     ///< ... and always left at
-    float reach_m;           ///< how far before the stop line vehicles are counted
-    float free_flow_m_per_s; ///< v_f of the Greenshields laws; 0 with saturation
+    uint8_t simulation_only;  ///< 1: may have zero clearance, never drives real lamps; 0: a street
+    uint8_t discharge;        ///< ELMOPP_DISCHARGE_*
+    uint8_t chooser;          ///< ELMOPP_CHOOSER_*
+    uint8_t forecast;         ///< ELMOPP_FORECAST_*
+    uint16_t hold_min_s;      ///< the chooser's window: a stage is never left before
+    uint16_t hold_max_s;      ///< ... and always left at
+    uint16_t red_bound_ds;    ///< a movement with demand never waits longer for green; 0: no bound (simulation only)
+    uint16_t start_flash_ds;  ///< flashing after the self-test
+    uint16_t start_red_ds;    ///< all red before the first green, and before flashing
+    uint8_t first_stage;      ///< the stage that comes first
+    uint8_t cameras;          ///< mask of the approaches that a camera counts; the others are always on recall
+    uint8_t no_activity_min;  ///< a counter that sees no arrival for so long is not believed; 0: it may be silent
+    uint8_t max_presence_min; ///< ... nor one that always sees a vehicle; 0: it may
+    uint8_t erratic_per_min;  ///< ... nor one that sees more arrivals in a minute; 0: it may
+    uint8_t program_count;    ///< at least one in a street
+    uint8_t schedule_count;   ///< 0: always programme 0
+    uint8_t special_day_count;
+    uint8_t reserved[2];
+    float reach_m;                                             ///< how far before the stop line vehicles are counted
+    float free_flow_m_per_s;                                   ///< v_f of the Greenshields laws; 0 with saturation
     char approach_name[ELMOPP_APPROACH_MAX][ELMOPP_NAME_SIZE]; ///< zero-terminated
     elmopp_movement_t movement[ELMOPP_MOVEMENT_MAX];
     elmopp_group_t group[ELMOPP_GROUP_MAX];
     uint16_t conflict[ELMOPP_GROUP_MAX];     ///< mask of the groups that must never be green with this one; symmetric
     uint16_t stage_groups[ELMOPP_STAGE_MAX]; ///< mask of the groups that are green in this stage
     uint16_t intergreen_ds[ELMOPP_GROUP_MAX][ELMOPP_GROUP_MAX]; ///< [ending][starting]: end of green to start of green
+    uint8_t rescue_stage[ELMOPP_MOVEMENT_MAX]; ///< the stage that serves this movement when its bound on red is near
+    elmopp_program_t program[ELMOPP_PROGRAM_MAX];
+    elmopp_schedule_t schedule[ELMOPP_SCHEDULE_MAX];
+    elmopp_special_day_t special_day[ELMOPP_SPECIAL_DAY_MAX];
 } elmopp_junction_t;
 
 static_assert(sizeof(float) == 4U, "the image needs IEEE 754 single precision");
 static_assert(sizeof(elmopp_movement_t) == 28U, "a movement must have no implicit padding");
-static_assert(sizeof(elmopp_group_t) == 20U, "a group must have no implicit padding");
-static_assert(sizeof(elmopp_junction_t) == 1740U, "a junction must have no implicit padding");
+static_assert(sizeof(elmopp_group_t) == 22U, "a group must have no implicit padding");
+static_assert(sizeof(elmopp_junction_t) == 2212U, "a junction must have no implicit padding");
 
 /// Load L = Q / C of one movement (paper: the Hadamard quotient of Q and C), 0 where the capacity is 0. Shape: scalar.
 float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);
@@ -110,6 +168,10 @@ bool elmopp_mask_has(uint32_t mask, uint32_t index);
 
 /// True if all of the movement's signal groups are in the mask.
 bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups);
+
+/// Longest time from the moment at which a shown stage may be left until any other one is shown: the longest minimum
+/// green and the longest intergreen or amber. Tenths of a second. The bound on red is worked out with it.
+uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction);
 
 /// Mask of the movements that go when exactly these signal groups are green.
 uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t groups);

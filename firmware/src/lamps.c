@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/lamps.h"
+
+#include <stdbool.h>
+
+/* The lamps of each aspect: red 1, amber 2, green 4, going on and off 8. */
+static const uint8_t lamps_of_aspect[ELMOPP_ASPECT_COUNT] = {
+    [ELMOPP_ASPECT_DARK] = 0U,      [ELMOPP_ASPECT_RED] = 1U,   [ELMOPP_ASPECT_RED_AMBER] = 3U,
+    [ELMOPP_ASPECT_GREEN] = 4U,     [ELMOPP_ASPECT_AMBER] = 2U, [ELMOPP_ASPECT_FLASH_AMBER] = 10U,
+    [ELMOPP_ASPECT_FLASH_RED] = 9U,
+};
+
+static uint32_t has(uint16_t mask, uint32_t g) {
+    return ((uint32_t)mask >> g) & 1U;
+}
+
+static uint16_t with(uint16_t mask, uint32_t g, uint32_t on) {
+    return (uint16_t)(((uint32_t)mask & ~((uint32_t)1U << g)) | ((on & 1U) << g));
+}
+
+elmopp_aspect_t elmopp_lamps_aspect(const elmopp_lamps_t *lamps, uint32_t g) {
+    const uint32_t burning =
+        has(lamps->red, g) | (has(lamps->amber, g) << 1U) | (has(lamps->green, g) << 2U) | (has(lamps->flash, g) << 3U);
+    elmopp_aspect_t found = ELMOPP_ASPECT_COUNT;
+    for (uint32_t a = 0U; a < (uint32_t)ELMOPP_ASPECT_COUNT; a++) {
+        found = (lamps_of_aspect[a] == burning) ? (elmopp_aspect_t)a : found;
+    }
+    return found;
+}
+
+void elmopp_lamps_show(elmopp_lamps_t *lamps, uint32_t g, elmopp_aspect_t aspect) {
+    const bool exists = (uint32_t)aspect < (uint32_t)ELMOPP_ASPECT_COUNT;
+    const uint32_t burning = exists ? lamps_of_aspect[aspect] : 0U;
+    lamps->red = with(lamps->red, g, burning);
+    lamps->amber = with(lamps->amber, g, burning >> 1U);
+    lamps->green = with(lamps->green, g, burning >> 2U);
+    lamps->flash = with(lamps->flash, g, burning >> 3U);
+}

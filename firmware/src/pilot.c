@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/pilot.h"
+
+#include "elmopp/assert.h"
+#include "elmopp/site.h"
+
+#include <stddef.h>
+
+#define COUNT_MAX_VEH 1.0e6F
+#define SOON_S 10U
+#define LATER_S 30U
+#define ALL_MOVEMENTS (((uint32_t)1U << ELMOPP_MOVEMENT_MAX) - 1U)
+
+void elmopp_pilot_init(elmopp_pilot_t *self, const elmopp_junction_t *junction, const elmopp_chooser_t *chooser,
+                       const elmopp_forecast_config_t *forecast) {
+    ELMOPP_ASSERT(elmopp_site_check_counts(junction).fault == ELMOPP_SITE_OK);
+    ELMOPP_ASSERT((chooser->choose != NULL) && (chooser->horizon_s <= ELMOPP_HORIZON_MAX));
+    *self = (elmopp_pilot_t){.junction = junction, .chooser = *chooser, .wanted = ELMOPP_STAGE_NONE};
+    elmopp_forecast_init(&self->forecast, junction, forecast);
+    elmopp_plan_init(&self->plan, junction);
+}
+
+void elmopp_pilot_restart(elmopp_pilot_t *self) {
+    elmopp_plan_init(&self->plan, self->junction);
+    self->going = 0U;
+    self->waiting = 0U;
+    self->begun = false;
+    self->wanted = ELMOPP_STAGE_NONE;
+    for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
+        self->red_ds[j] = 0U;
+    }
+}
+
+void elmopp_pilot_absorb(elmopp_pilot_t *self, const float *arrived_veh) {
+    elmopp_forecast_observe(&self->forecast, arrived_veh);
+}
+
+/* False for a NaN too. */
+static bool is_count(float value_veh) {
+    return (value_veh >= 0.0F) && (value_veh <= COUNT_MAX_VEH);
+}
+
+static bool are_counts(const elmopp_pilot_t *self, const elmopp_counts_t *counts) {
+    bool good = true;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        good = good && is_count(counts->present_veh[j]) && is_count(counts->arrived_veh[j]);
+    }
+    return good;
+}
+
+static uint32_t waiting_movements(const elmopp_pilot_t *self, const elmopp_counts_t *counts) {
+    uint32_t waiting = 0U;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const bool somebody = elmopp_mask_has(counts->recall, j) || (counts->present_veh[j] >= ELMOPP_PILOT_DEMAND_VEH);
+        if (somebody && (!elmopp_mask_has(self->going, j))) {
+            waiting |= (uint32_t)1U << j;
+        }
+    }
+    return waiting;
+}
+
+/* Only a network can go astray on traffic that it was not made for; what it gives way to is the mean. */
+static bool is_distrusted(const elmopp_forecast_t *forecast) {
+    const elmopp_account_error_t error = elmopp_forecast_error(forecast);
+    return elmopp_forecast_is_network(forecast) && (error.forecast > error.mean) &&
+           (error.compared_s >= ELMOPP_PILOT_ACCOUNT_MIN_S);
+}
+
+/* The forecast's own rows. Also when they are not used: the account has to go on. */
+static void look_for_itself(elmopp_pilot_t *self, elmopp_view_t *view) {
+    const uint16_t asked_s = self->chooser.horizon_s;
+    const uint16_t steps = (asked_s > ELMOPP_PILOT_TRACE_S) ? asked_s : (uint16_t)ELMOPP_PILOT_TRACE_S;
+    view->foreseen_steps = elmopp_forecast_look(&self->forecast, steps, view->foreseen_veh);
+    const elmopp_forecast_status_t status = elmopp_forecast_status(&self->forecast);
+    self->foresight = ELMOPP_FORESIGHT_OWN;
+    if (status == ELMOPP_FORECAST_UNARMED) {
+        self->foresight = ELMOPP_FORESIGHT_UNARMED;
+    } else if (status == ELMOPP_FORECAST_COLD) {
+        self->foresight = ELMOPP_FORESIGHT_COLD;
+    } else if (is_distrusted(&self->forecast)) {
+        self->foresight = ELMOPP_FORESIGHT_DISTRUSTED;
+        view->foreseen_steps = elmopp_forecast_fall_back(&self->forecast, steps, view->foreseen_veh);
+    } else {
+        /* as asked */
+    }
+}
+
+static float sum_of_first(const elmopp_view_t *view, uint32_t approach, uint32_t steps) {
+    float sum_veh = 0.0F;
+    for (uint32_t t = 0U; (t < view->foreseen_steps) && (t < steps); t++) {
+        sum_veh += view->foreseen_veh[approach][t];
+    }
+    return sum_veh;
+}
+
+static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, elmopp_view_t *view) {
+    if (foreseen != NULL) {
+        ELMOPP_ASSERT(foreseen->steps <= ELMOPP_HORIZON_MAX);
+        self->foresight = ELMOPP_FORESIGHT_GIVEN;
+        view->foreseen_steps = foreseen->steps;
+        for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+            view->foreseen_veh[i] = foreseen->row_veh[i];
+        }
+    } else {
+        look_for_itself(self, view);
+    }
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        self->soon_veh[0][i] = sum_of_first(view, i, SOON_S);
+        self->soon_veh[1][i] = sum_of_first(view, i, LATER_S);
+        self->foreseen_sum_veh[i] = sum_of_first(view, i, ELMOPP_PILOT_TRACE_S);
+    }
+}
+
+bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, const elmopp_foreseen_t *foreseen) {
+    if (!are_counts(self, counts)) {
+        /* Blind: somebody may wait everywhere, so that the maximum greens at least keep the stages turning. */
+        self->waiting = ALL_MOVEMENTS & ~self->going;
+        return false;
+    }
+    elmopp_forecast_observe(&self->forecast, counts->arrived_veh);
+    self->waiting = waiting_movements(self, counts);
+    elmopp_view_t view = {.junction = self->junction,
+                          .queue_veh = counts->present_veh,
+                          .arrivals_veh = counts->arrived_veh,
+                          .share = elmopp_forecast_share(&self->forecast),
+                          .red_ds = self->red_ds,
+                          .going = self->going,
+                          .elapsed_ds = self->plan.elapsed_ds,
+                          .stage = self->plan.stage,
+                          .target = self->plan.target};
+    look_ahead(self, foreseen, &view);
+    const elmopp_stage_t answer = self->chooser.choose(self->chooser.state, &view, self->score);
+    const bool exists = answer < self->junction->stage_count;
+    /* In an intergreen the plan has committed itself; an answer kept for later would be a second old when it counts. */
+    self->wanted = (exists && self->plan.settled) ? answer : self->plan.target;
+    return true;
+}
+
+elmopp_lamps_t elmopp_pilot_lamp_tick(elmopp_pilot_t *self, elmopp_stage_t wanted) {
+    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, wanted, self->waiting & ~self->going);
+    if (self->plan.forced) {
+        self->wanted = self->plan.target; /* the wish is older than the force */
+    }
+    self->going = elmopp_junction_served(self->junction, lamps.green);
+    self->begun = self->begun || (self->plan.target != ELMOPP_STAGE_NONE);
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        if (elmopp_mask_has(self->going, j)) {
+            self->red_ds[j] = 0U;
+        } else if (self->begun && (self->red_ds[j] < UINT16_MAX)) {
+            self->red_ds[j]++;
+        } else {
+            /* saturated, or nothing has been decided yet */
+        }
+    }
+    return lamps;
+}

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""The command behind tools/prove: hands the harnesses of tests/proof to the model checker CBMC.
+
+tests/proof/proofs.json says of each claim the largest loop bound, the sources that it may use, and one planted bug
+(file, text, replacement) that must refute it. With --planted the bug is put into a copy of the sources; the end of the
+harness must be reachable, too, or the proof would say nothing.
+"""
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from elmopp_tools.outputs import EXIT_DIFFERENT, EXIT_DONE, EXIT_REFUSED, OneLineParser, say
+
+ROOT = Path(__file__).resolve().parents[2]
+PROOFS = ROOT / "tests" / "proof"
+CBMC = ROOT / "build" / "cbmc" / "bin" / "cbmc"
+EXIT_SKIPPED = 77
+LIMIT_S = 600
+VERDICTS = {0: "proved", 10: "refuted"}
+
+DESCRIPTION = "Proves the claims of tests/proof, all or those named, and prints one line for each."
+EPILOG = """\
+Exit codes: 0 all as they should be; 1 one is not, or took too long; 2 the request cannot be run; 77 CBMC is not there
+(tools/setup check fetches it).
+
+Examples:
+  tools/prove                                       all claims
+  tools/prove plan_never_trips_monitor --planted    ... whether its planted bug refutes it and its end is reached"""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    parser = OneLineParser(
+        prog="tools/prove",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="claims (all)")
+    parser.add_argument("--planted", action="store_true", help="try the planted bugs instead, and the harness's end")
+    options = parser.parse_args(arguments)
+    proofs: dict[str, dict[str, Any]] = json.loads((PROOFS / "proofs.json").read_text(encoding="utf-8"))
+    for name in options.names:
+        if name not in proofs:
+            say("prove", f'"{name}" is no claim ; right would be one of {", ".join(proofs)}')
+            return EXIT_REFUSED
+    if not CBMC.exists():
+        say("prove", f"{CBMC.relative_to(ROOT)} is missing ; run ./tools/setup check")
+        return EXIT_SKIPPED
+    good = True
+    for name in options.names or list(proofs):
+        if options.planted:
+            good = planted(name, proofs[name]) and good
+        else:
+            good = judge(name, proofs[name], ROOT / "firmware" / "src", "proved", []) and good
+    return EXIT_DONE if good else EXIT_DIFFERENT
+
+
+def planted(name: str, proof: dict[str, Any]) -> bool:
+    """Both ways in which a proof must fail."""
+    file, text, bug = proof["planted"]
+    with tempfile.TemporaryDirectory() as folder:
+        sources = Path(folder) / "src"
+        shutil.copytree(ROOT / "firmware" / "src", sources)
+        code = (sources / file).read_text(encoding="utf-8")
+        if code.count(text) != 1:
+            say("prove", f"{name}: the planted bug's text is {code.count(text)} times in {file} ; right would be once")
+            return False
+        (sources / file).write_text(code.replace(text, bug), encoding="utf-8")
+        found = judge(name, proof, sources, "refuted", [])
+    return judge(name, proof, ROOT / "firmware" / "src", "refuted", ["-DVACUITY"]) and found
+
+
+def judge(name: str, proof: dict[str, Any], sources: Path, wanted: str, options: list[str]) -> bool:
+    """Runs CBMC and says in a line what came of it."""
+    command = [str(CBMC), "--function", "harness", "--unwind", str(proof["bound"] + 1), "--conversion-check"]
+    command += ["--drop-unused-functions", "--verbosity", "4", "-I", str(ROOT / "firmware" / "include"), *options]
+    command += [str(PROOFS / f"prove_{name}.c"), *(str(sources / f"{room}.c") for room in proof["sources"])]
+    started = time.monotonic()
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=LIMIT_S)
+        said = VERDICTS.get(done.returncode, f"error {done.returncode}")
+    except subprocess.TimeoutExpired:
+        done, said = None, "time-out"
+    seconds = time.monotonic() - started
+    kind = "vacuity" if options else ("planted" if wanted == "refuted" else "claim")
+    print(f"{said:<8} {name:<36} {kind:<8} {seconds:6.1f} s", flush=True)
+    if said != wanted and done is not None:
+        failures = [line for line in done.stdout.splitlines() if "FAILURE" in line]
+        print("\n".join(failures) or done.stderr, file=sys.stderr)
+    return said == wanted
