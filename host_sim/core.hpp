@@ -10,6 +10,7 @@ extern "C" {
 #include "elmopp/chooser.h"
 #include "elmopp/controller.h"
 #include "elmopp/forecast.h"
+#include "elmopp/image.h"
 #include "elmopp/junction.h"
 #include "elmopp/lstm_f32.h"
 #include "elmopp/pilot.h"

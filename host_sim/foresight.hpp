@@ -4,7 +4,7 @@
 /// Foresight: what the core's networks say about one trajectory, second by second, worked out once.
 ///
 /// A network sees arrivals in units of their demand scale, so what it says depends neither on the chooser nor on the
-/// number of vehicles. The core's own controller runs once over the trajectory, fall-back and all, with a chooser that
+/// number of vehicles. The core's own pilot runs once over the trajectory, fall-back and all, with a chooser that
 /// only writes down what it is shown; the trials then get these rows as they would get an oracle's. `host_sim run`
 /// does not use this: there the network runs inside the trial.
 
@@ -22,7 +22,7 @@ struct Foresight {
     std::uint16_t steps = 0;
     std::size_t approaches = 0;
     std::vector<float> unit_veh;  ///< [second][approach][step]
-    std::size_t distrusted_s = 0; ///< seconds in which the controller fell back to the mean
+    std::size_t distrusted_s = 0; ///< seconds in which the pilot fell back to the mean
 
     [[nodiscard]] const float *row(std::size_t second, std::size_t approach) const {
         return &unit_veh[(second * approaches + approach) * steps];

@@ -10,6 +10,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -28,12 +29,24 @@ std::vector<std::uint8_t> read_bytes(const fs::path &file) {
     return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
+/// What a refused image holds, to name it in a message; nothing if it has another length.
+elmopp_junction_t body_of(const std::vector<std::uint8_t> &bytes) {
+    elmopp_junction_t junction{};
+    if (bytes.size() == ELMOPP_IMAGE_HEADER + sizeof junction) {
+        std::memcpy(&junction, bytes.data() + ELMOPP_IMAGE_HEADER, sizeof junction);
+    }
+    for (auto &group : junction.group) {
+        group.name[ELMOPP_NAME_SIZE - 1U] = '\0';
+    }
+    return junction;
+}
+
 elmopp_junction_t load_image(const fs::path &file) {
     const auto bytes = read_bytes(file);
     elmopp_junction_t junction{};
     const auto verdict = elmopp_site_load(bytes.data(), static_cast<std::uint32_t>(bytes.size()), &junction);
     if (verdict.fault != ELMOPP_SITE_OK) {
-        throw BadRequest("--site " + file.string() + ": " + describe(verdict, junction) +
+        throw BadRequest("--site " + file.string() + ": " + describe(verdict, body_of(bytes)) +
                          "; right would be an image made by tools/site");
     }
     return junction;

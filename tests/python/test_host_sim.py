@@ -22,6 +22,7 @@ import subprocess
 import sys
 import time
 import tomllib
+import zlib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
@@ -509,6 +510,17 @@ def test_options_of_run_arrive() -> None:
         ["--profile", "paper"],
     ):
         assert log_lines("--seconds", "300", *option) == plain
+
+
+def test_an_image_whose_bound_cannot_be_kept_is_refused_with_the_shortest_one(
+    tmp_path: Path, images: dict[str, Path]
+) -> None:
+    image = bytearray(images["four_way"].read_bytes())
+    body = 16  # after magic, version, length and checksum
+    image[body + 36 : body + 38] = (609).to_bytes(2, "little")  # red_bound_ds
+    image[12:16] = zlib.crc32(bytes(image[body:])).to_bytes(4, "little")
+    (tmp_path / "bad.bin").write_bytes(image)
+    refused(tmp_path, ["run", "--site", "bad.bin"], "609 ds", "610 ds")
 
 
 def test_no_frame_carries_the_future(tmp_path: Path) -> None:

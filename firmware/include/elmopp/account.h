@@ -4,7 +4,7 @@
 /// Account: how good a forecast has lately been, beside persistence and the mean.
 ///
 /// Keeps what was said about ELMOPP_ACCOUNT_PROBE_S seconds later until those have passed, and compares it with what
-/// came. It judges nobody: whether a forecast is good enough is the controller's to say. A second in which nothing was
+/// came. It judges nobody: whether a forecast is good enough is the pilot's to say. A second in which nothing was
 /// said leaves no trace.
 ///
 /// Owner: the forecast. No allocation; bounded by ELMOPP_APPROACH_MAX.

@@ -15,7 +15,7 @@
 /// Index of a stage, or ELMOPP_STAGE_NONE.
 typedef uint8_t elmopp_stage_t;
 
-/// What a chooser sees. Everything is owned by the controller and valid during the call only.
+/// What a chooser sees. Everything is owned by the pilot and valid during the call only.
 typedef struct {
     const elmopp_junction_t *junction;
     const float *queue_veh;    ///< [movement] vehicles inside the counted reach
@@ -37,7 +37,7 @@ typedef struct {
 /// chooser's own.
 typedef elmopp_stage_t (*elmopp_choose_fn_t)(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]);
 
-/// A chooser: a function, its state (owned by the caller, alive as long as the controller) and the forecast it asks
+/// A chooser: a function, its state (owned by the caller, alive as long as the pilot) and the forecast it asks
 /// for.
 typedef struct {
     elmopp_choose_fn_t choose;

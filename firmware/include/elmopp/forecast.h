@@ -4,7 +4,7 @@
 /// Forecast: the vehicles that each approach will bring in the coming seconds, and how they split over its movements.
 ///
 /// Absorbs one observation a second, looks ahead as far as the chooser asks and keeps account of its own error. It
-/// decides nothing: whether a forecast is good enough to be used is the controller's to say. `oracle` is not here: a
+/// decides nothing: whether a forecast is good enough to be used is the pilot's to say. `oracle` is not here: a
 /// simulator that knows the future hands its rows to elmopp_pilot_step() itself.
 ///
 ///   none         no row: the chooser sees no further inflow
@@ -24,7 +24,7 @@
 ///
 /// What it says is entered in an account of its error (account.h).
 ///
-/// Owner: the controller. Not thread-safe; bounded by ELMOPP_APPROACH_MAX times the steps asked for.
+/// Owner: the pilot. Not thread-safe; bounded by ELMOPP_APPROACH_MAX times the steps asked for.
 
 #ifndef ELMOPP_FORECAST_H
 #define ELMOPP_FORECAST_H
