@@ -45,11 +45,11 @@ static void tick(elmopp_stage_t wanted, uint32_t demand) {
 }
 
 static uint16_t plan_green(void) {
-    uint16_t green = 0U;
+    uint32_t green = 0U;
     for (uint32_t g = 0U; g < junction.group_count; g++) {
-        green |= (plan.group[g].aspect == ELMOPP_ASPECT_GREEN) ? (uint16_t)(1U << g) : (uint16_t)0U;
+        green |= (plan.group[g].aspect == ELMOPP_ASPECT_GREEN) ? (1U << g) : 0U;
     }
-    return green;
+    return (uint16_t)green;
 }
 
 /* One in eight is no wish. */

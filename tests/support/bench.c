@@ -114,8 +114,8 @@ static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score
         score[s] = 0.0F;
     }
     self->calls++;
-    return (self->answer == STAGES_IN_TURN) ? (elmopp_stage_t)((self->calls / TURN_S) % view->junction->stage_count)
-                                            : self->answer;
+    const uint32_t in_turn = (self->calls / TURN_S) % view->junction->stage_count;
+    return (elmopp_stage_t)((self->answer == STAGES_IN_TURN) ? in_turn : self->answer);
 }
 
 static void power_up(bench_t *self) {
@@ -208,10 +208,11 @@ static uint16_t measured(uint16_t commanded, uint16_t stuck_on, uint16_t broken,
 
 static void send_feedback(bench_t *self) {
     for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
-        uint16_t groups = 0U;
+        uint32_t driven = 0U;
         for (uint32_t g = 0U; g < self->junction.group_count; g++) {
-            groups |= (self->junction.group[g].node == n) ? (uint16_t)(1U << g) : (uint16_t)0U;
+            driven |= (self->junction.group[g].node == n) ? (1U << g) : 0U;
         }
+        const uint16_t groups = (uint16_t)driven;
         if ((groups != 0U) && (!has(self->nodes_silent, n))) {
             const elmopp_feedback_t feedback = {
                 .lamps = {.red = measured(self->shown.red, self->stuck_on.red, self->broken.red, groups),
