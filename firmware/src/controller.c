@@ -308,7 +308,8 @@ static void every_second(elmopp_controller_t *self) {
 static uint16_t fresh_groups(const elmopp_controller_t *self) {
     uint16_t fresh = 0U;
     for (uint32_t g = 0U; g < self->junction->group_count; g++) {
-        if (elmopp_link_fresh(&self->bus.node[self->junction->group[g].node], FEEDBACK_TIMEOUT_DS)) {
+        const uint32_t node = self->junction->group[g].node;
+        if ((node < ELMOPP_NODE_MAX) && elmopp_link_fresh(&self->bus.node[node], FEEDBACK_TIMEOUT_DS)) {
             fresh |= (uint16_t)((uint32_t)1U << g);
         }
     }
@@ -416,7 +417,9 @@ static elmopp_lamps_t flashing(const elmopp_junction_t *junction) {
                                                      [ELMOPP_FLASH_DARK] = ELMOPP_ASPECT_DARK};
     elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
     for (uint32_t g = 0U; g < junction->group_count; g++) {
-        elmopp_lamps_show(&lamps, g, aspects[junction->group[g].flash]);
+        /* Data that have changed in memory are found soon, but not before they are read. */
+        const uint32_t flash = junction->group[g].flash;
+        elmopp_lamps_show(&lamps, g, (flash < FLASHES) ? aspects[flash] : ELMOPP_ASPECT_FLASH_AMBER);
     }
     return lamps;
 }

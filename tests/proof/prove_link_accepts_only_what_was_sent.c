@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// Whatever frame comes, in whatever state the receiver is: what is believed has the id, eight bytes, the checksum that a
-/// sender's seal would have given it, and a counter that is next; what is not believed changes nothing.
+/// Whatever frame comes, in whatever state the receiver is: what is believed has the id, eight bytes, the checksum that
+/// a sender's seal would have given it, and a counter that is next; what is not believed changes nothing.
 
 #include "claims.h"
 

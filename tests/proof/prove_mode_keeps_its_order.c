@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// From any mode, one that does not exist included, under any input: a fault is fail-safe at once; green comes only after all
-/// red; flashing and darkness come only from red everywhere or from each other; fail-safe ends only when cleared. And a
-/// measure of the way to the goal falls with every change of mode, so that no mode is passed twice.
+/// From any mode, one that does not exist included, under any input: a fault is fail-safe at once; green comes only
+/// after all red; flashing and darkness come only from red everywhere or from each other; fail-safe ends only when
+/// cleared. And a measure of the way to the goal falls with every change of mode, so that no mode is passed twice.
 
 #include "claims.h"
 
@@ -40,7 +40,10 @@ static const uint8_t left[4][ELMOPP_MODE_COUNT] = {
 };
 
 static uint32_t left_from(uint32_t mode, uint32_t goal) {
-    const uint32_t row = serves(goal) ? 0U : (goal == ELMOPP_MODE_ALL_RED) ? 1U : (goal == ELMOPP_MODE_FLASHING) ? 2U : 3U;
+    const uint32_t row = serves(goal)                     ? 0U
+                         : (goal == ELMOPP_MODE_ALL_RED)  ? 1U
+                         : (goal == ELMOPP_MODE_FLASHING) ? 2U
+                                                          : 3U;
     return (mode == goal) ? 0U : left[row][mode];
 }
 
@@ -55,7 +58,8 @@ void harness(void) {
     } else {
         const bool red = (before == ELMOPP_MODE_START_RED) || (before == ELMOPP_MODE_ALL_RED);
         CLAIM((next != ELMOPP_MODE_FIRST_STAGE) || red || (before == ELMOPP_MODE_FIRST_STAGE), "green after red");
-        CLAIM((!serves(next)) || serves(before) || (before == ELMOPP_MODE_FIRST_STAGE), "service after the first stage");
+        CLAIM((!serves(next)) || serves(before) || (before == ELMOPP_MODE_FIRST_STAGE),
+              "service after the first stage");
         CLAIM((!is_off(next)) || is_off(before) || (before == ELMOPP_MODE_START_FLASH) ||
                   (red && input.all_red && (input.age_ds >= input.red_ds)),
               "off after red that has lasted");
