@@ -56,11 +56,23 @@ static void bad(elmopp_fault_t fault, uint32_t group, const char *text) {
     TEST_ASSERT_EQUAL_UINT8(group, monitor.first_group);
 }
 
+/* Group 0 is just turning green. */
+static void prepare(uint32_t red_amber_ticks) {
+    good("RRR", CROSS_INTERGREEN_DS);
+    good("BRR", red_amber_ticks);
+}
+
 /* Group 0 has been green for its minimum. */
 static void bring_up_green(void) {
-    good("RRR", CROSS_INTERGREEN_DS);
-    good("BRR", CROSS_RED_AMBER_DS);
+    prepare(CROSS_RED_AMBER_DS);
     good("GRR", CROSS_MIN_GREEN_DS);
+}
+
+/* From group 0's green until group 1 may be tried: so many ticks after the end of the green. */
+static void clear_for(uint32_t ticks) {
+    good("ARR", CROSS_AMBER_DS);
+    good("RRR", ticks - CROSS_AMBER_DS - CROSS_RED_AMBER_DS);
+    good("RBR", CROSS_RED_AMBER_DS);
 }
 
 /* --- good lives --- */
@@ -118,9 +130,7 @@ static void test_no_two_conflicting_groups_are_off_red(void) {
 static void try_green_after(uint32_t red_ticks, bool is_good) {
     setUp();
     bring_up_green();
-    good("ARR", CROSS_AMBER_DS);
-    good("RRR", red_ticks - CROSS_AMBER_DS - CROSS_RED_AMBER_DS);
-    good("RBR", CROSS_RED_AMBER_DS);
+    clear_for(red_ticks);
     if (is_good) {
         good("RGR", 1U);
     } else {
@@ -139,16 +149,12 @@ static void test_intergreens_are_read_from_the_ending_to_the_starting_group(void
     junction.intergreen_ds[1][0] = longer_ds; /* the other way round: does not matter */
     bring_up_green();
     TEST_ASSERT_EQUAL_UINT16(longer_ds, junction.intergreen_ds[1][0]);
-    good("ARR", CROSS_AMBER_DS);
-    good("RRR", 15U);
-    good("RBR", CROSS_RED_AMBER_DS);
+    clear_for(CROSS_INTERGREEN_DS);
     good("RGR", 1U);
     setUp();
     junction.intergreen_ds[0][1] = longer_ds;
     bring_up_green();
-    good("ARR", CROSS_AMBER_DS);
-    good("RRR", 15U);
-    good("RBR", CROSS_RED_AMBER_DS);
+    clear_for(CROSS_INTERGREEN_DS);
     bad(ELMOPP_FAULT_SHORT_INTERGREEN, 1U, "RGR");
 }
 
@@ -172,8 +178,7 @@ static void test_no_amber_at_all_is_a_fault(void) {
 }
 
 static void test_red_amber_one_tick_short_is_a_fault(void) {
-    good("RRR", CROSS_INTERGREEN_DS);
-    good("BRR", CROSS_RED_AMBER_DS - 1U);
+    prepare(CROSS_RED_AMBER_DS - 1U);
     bad(ELMOPP_FAULT_SHORT_RED_AMBER, 0U, "GRR");
 }
 
@@ -183,16 +188,14 @@ static void test_no_red_amber_at_all_is_a_fault(void) {
 }
 
 static void test_green_one_tick_short_is_a_fault(void) {
-    good("RRR", CROSS_INTERGREEN_DS);
-    good("BRR", CROSS_RED_AMBER_DS);
+    prepare(CROSS_RED_AMBER_DS);
     good("GRR", CROSS_MIN_GREEN_DS - 1U);
     bad(ELMOPP_FAULT_SHORT_GREEN, 0U, "ARR");
 }
 
 static void test_a_short_green_without_amber_is_a_fault_too(void) {
     junction.group[0].amber_ds = 0U;
-    good("RRR", CROSS_INTERGREEN_DS);
-    good("BRR", CROSS_RED_AMBER_DS);
+    prepare(CROSS_RED_AMBER_DS);
     good("GRR", CROSS_MIN_GREEN_DS - 1U);
     bad(ELMOPP_FAULT_SHORT_GREEN, 0U, "RRR");
 }
@@ -214,12 +217,10 @@ static void test_aspects_out_of_order_are_a_fault(void) {
     good("ARR", CROSS_AMBER_DS);
     bad(ELMOPP_FAULT_SEQUENCE, 0U, "BRR");
     setUp();
-    good("RRR", CROSS_INTERGREEN_DS);
-    good("BRR", CROSS_RED_AMBER_DS);
+    prepare(CROSS_RED_AMBER_DS);
     bad(ELMOPP_FAULT_SEQUENCE, 0U, "RRR");
     setUp();
-    good("RRR", CROSS_INTERGREEN_DS);
-    good("BRR", CROSS_RED_AMBER_DS);
+    prepare(CROSS_RED_AMBER_DS);
     bad(ELMOPP_FAULT_SEQUENCE, 0U, "ARR");
 }
 

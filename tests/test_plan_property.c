@@ -133,38 +133,19 @@ static void test_every_site_as_shipped_keeps_all_rules(void) {
     }
 }
 
-static uint16_t random_between(uint32_t low, uint32_t high) {
-    return (uint16_t)(low + random_below(&seed, (high - low) + 1U));
-}
-
-/* The paper's site has none: its rescue stages in turn. */
-static void make_program(void) {
-    elmopp_program_t *program = &junction.program[0];
-    uint32_t stages = 0U;
-    junction.program_count = 1U;
-    for (uint32_t j = 0U; j < junction.movement_count; j++) {
-        const uint8_t stage = junction.rescue_stage[j];
-        if (((stages >> stage) & 1U) == 0U) {
-            stages |= 1U << stage;
-            program->step[program->step_count] = (elmopp_step_t){.green_ds = LONGEST_MIN_GREEN_DS, .stage = stage};
-            program->step_count++;
-        }
-    }
-}
-
 static void draw_times(void) {
     for (uint32_t g = 0U; g < junction.group_count; g++) {
         elmopp_group_t *group = &junction.group[g];
-        group->amber_ds = random_between(30U, 60U);
-        group->red_amber_ds = (random_below(&seed, 2U) == 0U) ? (uint16_t)0U : random_between(1U, 20U);
-        group->min_green_ds = random_between(50U, LONGEST_MIN_GREEN_DS);
-        group->max_green_ds = (uint16_t)(group->min_green_ds + random_between(0U, 150U));
+        group->amber_ds = random_between(&seed, 30U, 60U);
+        group->red_amber_ds = (random_below(&seed, 2U) == 0U) ? (uint16_t)0U : random_between(&seed, 1U, 20U);
+        group->min_green_ds = random_between(&seed, 50U, LONGEST_MIN_GREEN_DS);
+        group->max_green_ds = (uint16_t)(group->min_green_ds + random_between(&seed, 0U, 150U));
     }
     for (uint32_t g = 0U; g < junction.group_count; g++) {
         for (uint32_t h = 0U; h < junction.group_count; h++) {
             const uint32_t least_ds = (uint32_t)junction.group[g].amber_ds + junction.group[h].red_amber_ds;
             const bool conflict = (((uint32_t)junction.conflict[g] >> h) & 1U) != 0U;
-            junction.intergreen_ds[g][h] = conflict ? random_between(least_ds, least_ds + 40U) : (uint16_t)0U;
+            junction.intergreen_ds[g][h] = conflict ? random_between(&seed, least_ds, least_ds + 40U) : (uint16_t)0U;
         }
     }
     junction.red_bound_ds =
@@ -175,7 +156,7 @@ static void draw_times(void) {
         }
     }
     if (junction.program_count == 0U) {
-        make_program();
+        test_rescue_program(&junction, LONGEST_MIN_GREEN_DS); /* the paper's site has none */
     }
     junction.simulation_only = 0U;
     junction.discharge = ELMOPP_DISCHARGE_SATURATION;

@@ -134,18 +134,10 @@ static void test_every_pair_of_every_site_with_a_change_of_mind_at_every_tick(vo
 
 /* --- junctions that nobody drew --- */
 
-static uint16_t random_between(uint32_t low, uint32_t high) {
-    return (uint16_t)(low + random_below(&seed, (high - low) + 1U));
-}
-
-static bool has(uint32_t mask, uint32_t i) {
-    return ((mask >> i) & 1U) != 0U;
-}
-
 static bool is_stage(uint32_t groups) {
     for (uint32_t g = 0U; g < junction.group_count; g++) {
         const bool clashes = (junction.conflict[g] & groups) != 0U;
-        if (has(groups, g) == clashes) { /* in it with a conflict, or out of it without */
+        if (elmopp_mask_has(groups, g) == clashes) { /* in it with a conflict, or out of it without */
             return false;
         }
     }
@@ -172,10 +164,10 @@ static void draw_conflicts(void) {
     (void)memset(junction.conflict, 0, sizeof junction.conflict);
     (void)memset(junction.intergreen_ds, 0, sizeof junction.intergreen_ds);
     for (uint32_t g = 0U; g < junction.group_count; g++) {
-        junction.group[g].amber_ds = random_between(30U, 60U);
-        junction.group[g].red_amber_ds = random_between(0U, 20U);
-        junction.group[g].min_green_ds = random_between(50U, 80U);
-        junction.group[g].max_green_ds = random_between(80U, 300U);
+        junction.group[g].amber_ds = random_between(&seed, 30U, 60U);
+        junction.group[g].red_amber_ds = random_between(&seed, 0U, 20U);
+        junction.group[g].min_green_ds = random_between(&seed, 50U, 80U);
+        junction.group[g].max_green_ds = random_between(&seed, 80U, 300U);
     }
     for (uint32_t g = 0U; g < junction.group_count; g++) {
         for (uint32_t h = 0U; h < g; h++) {
@@ -184,30 +176,23 @@ static void draw_conflicts(void) {
                 const uint32_t back_ds = (uint32_t)junction.group[h].amber_ds + junction.group[g].red_amber_ds;
                 junction.conflict[g] |= (uint16_t)(1U << h);
                 junction.conflict[h] |= (uint16_t)(1U << g);
-                junction.intergreen_ds[g][h] = random_between(there_ds, there_ds + 40U);
-                junction.intergreen_ds[h][g] = random_between(back_ds, back_ds + 40U);
+                junction.intergreen_ds[g][h] = random_between(&seed, there_ds, there_ds + 40U);
+                junction.intergreen_ds[h][g] = random_between(&seed, back_ds, back_ds + 40U);
             }
         }
     }
 }
 
-/* Every movement by the first stage that serves it; a programme of these. */
+/* Every movement by the first stage that serves it. */
 static void draw_rescue(void) {
-    elmopp_program_t *program = &junction.program[0];
-    uint32_t stages = 0U;
-    program->step_count = 0U;
     for (uint32_t j = 0U; j < junction.movement_count; j++) {
         uint32_t s = 0U;
         while (!elmopp_junction_goes(&junction, j, junction.stage_groups[s])) {
             s++;
         }
         junction.rescue_stage[j] = (uint8_t)s;
-        if (!has(stages, s)) {
-            stages |= 1U << s;
-            program->step[program->step_count] = (elmopp_step_t){.green_ds = 100U, .stage = (uint8_t)s};
-            program->step_count++;
-        }
     }
+    test_rescue_program(&junction, 100U);
     junction.red_bound_ds = (uint16_t)(elmopp_site_red_bound_min_ds(&junction) + random_below(&seed, 200U));
 }
 
@@ -375,7 +360,7 @@ static bool is_off_red(uint32_t aspect) {
 
 static void check_what_passed(const books_t *books, uint32_t g, long long now) {
     for (uint32_t h = 0U; h < junction.group_count; h++) {
-        if (has(junction.conflict[g], h)) {
+        if (elmopp_mask_has(junction.conflict[g], h)) {
             TEST_ASSERT_FALSE_MESSAGE(is_off_red(books->shows[g]) && is_off_red(books->shows[h]), "a conflict passed");
             const bool starts = (books->shows[g] == (uint32_t)ELMOPP_ASPECT_GREEN) && (books->since[g] == now);
             TEST_ASSERT_FALSE_MESSAGE(starts && ((now - books->freed[h]) <= junction.intergreen_ds[h][g]),

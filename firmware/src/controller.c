@@ -185,24 +185,17 @@ static bool is_believed(elmopp_link_t *link, const elmopp_frame_t *frame, uint16
     return elmopp_link_take(link, frame, frame->id, timeout_ds) == ELMOPP_LINK_OK;
 }
 
-/* A mask with one bit taken from another. */
-static uint16_t with_bit_of(uint32_t mask, uint32_t other, uint32_t g) {
-    const uint32_t bit = (uint32_t)1U << g;
-    return (uint16_t)((mask & ~bit) | (other & bit));
-}
-
 static void take_feedback(elmopp_controller_t *self, uint32_t node, const elmopp_frame_t *frame) {
     const elmopp_feedback_t feedback = elmopp_frames_feedback(frame);
     for (uint32_t g = 0U; g < self->junction->group_count; g++) {
         if (self->junction->group[g].node == node) {
-            elmopp_lamps_t *all = &self->bus.measured;
-            all->red = with_bit_of(all->red, feedback.lamps.red, g);
-            all->amber = with_bit_of(all->amber, feedback.lamps.amber, g);
-            all->green = with_bit_of(all->green, feedback.lamps.green, g);
+            elmopp_lamps_light(&self->bus.measured, g, elmopp_lamps_bits(&feedback.lamps, g));
         }
     }
     const bool unwell = feedback.lamp_fault || feedback.own_fail_safe;
-    self->bus.unwell_nodes = (uint8_t)with_bit_of(self->bus.unwell_nodes, unwell ? UINT32_MAX : 0U, node);
+    const uint32_t bit = (uint32_t)1U << node;
+    const uint32_t others = self->bus.unwell_nodes & ~bit;
+    self->bus.unwell_nodes = (uint8_t)(others | (unwell ? bit : 0U));
 }
 
 static void take_counts(elmopp_controller_t *self, uint32_t approach, const elmopp_frame_t *frame) {
@@ -362,13 +355,17 @@ static elmopp_mode_input_t mode_input(const elmopp_controller_t *self) {
                                  .red_ds = self->junction->start_red_ds};
 }
 
+static void enter_mode(elmopp_controller_t *self, elmopp_mode_t mode) {
+    self->mode = mode;
+    self->mode_ds = 0U;
+}
+
 static void change_mode(elmopp_controller_t *self) {
     const elmopp_mode_input_t input = mode_input(self);
     const elmopp_mode_t next = elmopp_mode_next(self->mode, &input);
     self->cleared = false;
     if (next != self->mode) {
-        self->mode = next;
-        self->mode_ds = 0U;
+        enter_mode(self, next);
         if (next == ELMOPP_MODE_STARTING) {
             self->test_ds = 0U;
         }
@@ -442,10 +439,10 @@ static elmopp_lamps_t judged(elmopp_controller_t *self, const elmopp_lamps_t *la
         .command = *lamps, .measured = self->bus.measured, .fresh = fresh_groups(self), .mode = self->mode};
     if ((self->mode != ELMOPP_MODE_FAIL_SAFE) && (elmopp_monitor_check(&self->monitor, &input) != ELMOPP_FAULT_NONE)) {
         raise_fault(self, self->monitor.first, self->monitor.first_group);
-        self->mode = ELMOPP_MODE_FAIL_SAFE;
-        self->mode_ds = 0U;
+        enter_mode(self, ELMOPP_MODE_FAIL_SAFE);
+        return flashing(self->junction);
     }
-    return (self->mode == ELMOPP_MODE_FAIL_SAFE) ? flashing(self->junction) : *lamps;
+    return *lamps;
 }
 
 /* --- frames out --- */

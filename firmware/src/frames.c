@@ -9,10 +9,7 @@
 
 #define BYTES 8U
 
-/* A measured group, as LampFeedback has it. */
-#define MEASURED_RED 1U
-#define MEASURED_AMBER 2U
-#define MEASURED_GREEN 4U
+#define MEASURED 0x7U /* the lamps of a group that LampFeedback has room for: not whether they go on and off */
 
 #define TENTHS 10.0F
 #define THOUSANDTHS 1000.0F
@@ -33,14 +30,6 @@ static void check_read(int status) {
 
 static uint8_t digit(bool on) {
     return on ? (uint8_t)1U : (uint8_t)0U;
-}
-
-static bool is_set(uint16_t mask, uint32_t g) {
-    return (((uint32_t)mask >> g) & 1U) != 0U;
-}
-
-static uint16_t with_group(uint32_t mask, uint32_t g, uint32_t on) {
-    return (uint16_t)(mask | ((on != 0U) ? ((uint32_t)1U << g) : 0U));
 }
 
 /* A number of 12 bits, saturating; false comparisons send a NaN to 0. */
@@ -140,10 +129,7 @@ elmopp_feedback_t elmopp_frames_feedback(const elmopp_frame_t *frame) {
                                   .lamp_fault = signals.lamp_fault != 0U,
                                   .own_fail_safe = signals.own_fail_safe != 0U};
     for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
-        const uint32_t bits = measured[g];
-        feedback.lamps.red = with_group(feedback.lamps.red, g, bits & MEASURED_RED);
-        feedback.lamps.amber = with_group(feedback.lamps.amber, g, bits & MEASURED_AMBER);
-        feedback.lamps.green = with_group(feedback.lamps.green, g, bits & MEASURED_GREEN);
+        elmopp_lamps_light(&feedback.lamps, g, measured[g]);
     }
     return feedback;
 }
@@ -177,17 +163,10 @@ elmopp_frame_t elmopp_frames_make_counts(uint32_t approach,
     return frame;
 }
 
-static uint8_t measured_of(const elmopp_lamps_t *lamps, uint32_t g) {
-    const uint32_t bits = (is_set(lamps->red, g) ? MEASURED_RED : 0U) |
-                          (is_set(lamps->amber, g) ? MEASURED_AMBER : 0U) |
-                          (is_set(lamps->green, g) ? MEASURED_GREEN : 0U);
-    return (uint8_t)bits;
-}
-
 elmopp_frame_t elmopp_frames_make_feedback(uint32_t node, const elmopp_feedback_t *feedback) {
     uint8_t measured[ELMOPP_GROUP_MAX];
     for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
-        measured[g] = measured_of(&feedback->lamps, g);
+        measured[g] = (uint8_t)(elmopp_lamps_bits(&feedback->lamps, g) & MEASURED);
     }
     const struct elmopp_can_lamp_feedback_t signals = {
         .lamp_fault = digit(feedback->lamp_fault),

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-/* The lamps of each aspect: red 1, amber 2, green 4, going on and off 8. */
+/* The lamps of each aspect. */
 static const uint8_t lamps_of_aspect[ELMOPP_ASPECT_COUNT] = {
     [ELMOPP_ASPECT_DARK] = 0U,      [ELMOPP_ASPECT_RED] = 1U,   [ELMOPP_ASPECT_RED_AMBER] = 3U,
     [ELMOPP_ASPECT_GREEN] = 4U,     [ELMOPP_ASPECT_AMBER] = 2U, [ELMOPP_ASPECT_FLASH_AMBER] = 10U,
@@ -20,9 +20,20 @@ static uint16_t with(uint16_t mask, uint32_t g, uint32_t on) {
     return (uint16_t)(((uint32_t)mask & ~((uint32_t)1U << g)) | ((on & 1U) << g));
 }
 
+uint32_t elmopp_lamps_bits(const elmopp_lamps_t *lamps, uint32_t g) {
+    return has(lamps->red, g) | (has(lamps->amber, g) << 1U) | (has(lamps->green, g) << 2U) |
+           (has(lamps->flash, g) << 3U);
+}
+
+void elmopp_lamps_light(elmopp_lamps_t *lamps, uint32_t g, uint32_t bits) {
+    lamps->red = with(lamps->red, g, bits);
+    lamps->amber = with(lamps->amber, g, bits >> 1U);
+    lamps->green = with(lamps->green, g, bits >> 2U);
+    lamps->flash = with(lamps->flash, g, bits >> 3U);
+}
+
 elmopp_aspect_t elmopp_lamps_aspect(const elmopp_lamps_t *lamps, uint32_t g) {
-    const uint32_t burning =
-        has(lamps->red, g) | (has(lamps->amber, g) << 1U) | (has(lamps->green, g) << 2U) | (has(lamps->flash, g) << 3U);
+    const uint32_t burning = elmopp_lamps_bits(lamps, g);
     elmopp_aspect_t found = ELMOPP_ASPECT_COUNT;
     for (uint32_t a = 0U; a < (uint32_t)ELMOPP_ASPECT_COUNT; a++) {
         found = (lamps_of_aspect[a] == burning) ? (elmopp_aspect_t)a : found;
@@ -32,9 +43,5 @@ elmopp_aspect_t elmopp_lamps_aspect(const elmopp_lamps_t *lamps, uint32_t g) {
 
 void elmopp_lamps_show(elmopp_lamps_t *lamps, uint32_t g, elmopp_aspect_t aspect) {
     const bool exists = (uint32_t)aspect < (uint32_t)ELMOPP_ASPECT_COUNT;
-    const uint32_t burning = exists ? lamps_of_aspect[aspect] : 0U;
-    lamps->red = with(lamps->red, g, burning);
-    lamps->amber = with(lamps->amber, g, burning >> 1U);
-    lamps->green = with(lamps->green, g, burning >> 2U);
-    lamps->flash = with(lamps->flash, g, burning >> 3U);
+    elmopp_lamps_light(lamps, g, exists ? lamps_of_aspect[aspect] : 0U);
 }

@@ -139,7 +139,7 @@ bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, cons
 }
 
 elmopp_lamps_t elmopp_pilot_lamp_tick(elmopp_pilot_t *self, elmopp_stage_t wanted) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, wanted, self->waiting & ~self->going);
+    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, wanted, self->waiting);
     if (self->plan.forced) {
         self->wanted = self->plan.target; /* the wish is older than the force */
     }

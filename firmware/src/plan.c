@@ -172,9 +172,11 @@ static elmopp_stage_t first_stage_for(const elmopp_junction_t *junction, uint32_
 
 /* The stage that the bound on red asks for, ELMOPP_STAGE_NONE if it is far. */
 static elmopp_stage_t rescue(const elmopp_plan_t *self) {
+    if ((self->junction->red_bound_ds == 0U) || (!is_pressing(self))) {
+        return ELMOPP_STAGE_NONE;
+    }
     const uint32_t oldest = longest_waiting(self, UINT16_MAX);
-    const bool needed = (oldest < ELMOPP_MOVEMENT_MAX) && (self->junction->red_bound_ds != 0U) && is_pressing(self);
-    return needed ? self->junction->rescue_stage[oldest] : (elmopp_stage_t)ELMOPP_STAGE_NONE;
+    return (oldest < ELMOPP_MOVEMENT_MAX) ? self->junction->rescue_stage[oldest] : (elmopp_stage_t)ELMOPP_STAGE_NONE;
 }
 
 /* The stage that a green beyond its maximum gives way to, ELMOPP_STAGE_NONE if there is none; the first such group

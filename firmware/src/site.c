@@ -110,15 +110,15 @@ elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *juncti
                         ((lane->groups & all_groups(junction)) == lane->groups);
     bool served = false;
     for (uint32_t s = 0U; s < junction->stage_count; s++) {
-        served = served || ((lane->groups & junction->stage_groups[s]) == lane->groups);
+        served = served || elmopp_junction_goes(junction, movement, junction->stage_groups[s]);
     }
     return (numbers && places && served) ? ok : fault(ELMOPP_SITE_MOVEMENT, movement, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_rescue(const elmopp_junction_t *junction, uint32_t movement) {
-    const uint16_t needed = junction->movement[movement].groups;
     const uint32_t stage = junction->rescue_stage[movement];
-    const bool serves = (stage < junction->stage_count) && ((junction->stage_groups[stage] & needed) == needed);
+    const bool serves =
+        (stage < junction->stage_count) && elmopp_junction_goes(junction, movement, junction->stage_groups[stage]);
     return serves ? ok : fault(ELMOPP_SITE_RESCUE, movement, 0U);
 }
 

@@ -21,4 +21,9 @@ static inline uint32_t random_below(uint64_t *state, uint32_t bound) {
     return (uint32_t)((random_next(state) >> 32U) % bound);
 }
 
+/// `low` to `high`, both included.
+static inline uint16_t random_between(uint64_t *state, uint32_t low, uint32_t high) {
+    return (uint16_t)(low + random_below(state, (high - low) + 1U));
+}
+
 #endif

@@ -55,3 +55,18 @@ elmopp_junction_t test_cross(uint32_t count) {
     }
     return cross;
 }
+
+void test_rescue_program(elmopp_junction_t *junction, uint16_t green_ds) {
+    elmopp_program_t *program = &junction->program[0];
+    uint32_t stages = 0U;
+    junction->program_count = 1U;
+    program->step_count = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        const uint8_t stage = junction->rescue_stage[j];
+        if (!elmopp_mask_has(stages, stage)) {
+            stages |= 1U << stage;
+            program->step[program->step_count] = (elmopp_step_t){.green_ds = green_ds, .stage = stage};
+            program->step_count++;
+        }
+    }
+}

@@ -32,4 +32,7 @@ extern const elmopp_junction_t *const test_sites[TEST_SITE_COUNT];
 /// is group i. Capacity 10 vehicles, saturation flow 0.5 vehicles a second.
 elmopp_junction_t test_cross(uint32_t count);
 
+/// Gives a junction one programme: its rescue stages, each once, in the order of the movements.
+void test_rescue_program(elmopp_junction_t *junction, uint16_t green_ds);
+
 #endif

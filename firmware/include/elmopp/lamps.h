@@ -3,7 +3,7 @@
 
 /// Lamps: what a signal group can show, in the codes of the bus, and which lamps burn for it.
 ///
-/// Types and two translations. It judges nothing: which aspects may be shown together is the monitor's to say, which
+/// Types and translations. It judges nothing: which aspects may be shown together is the monitor's to say, which
 /// are shown is the plan's. Neither of the two calls anything here.
 
 #ifndef ELMOPP_LAMPS_H
@@ -32,6 +32,12 @@ typedef struct {
     uint16_t green;
     uint16_t flash; ///< the group's lamps go on and off
 } elmopp_lamps_t;
+
+/// The lamps of group g as one number, in the bits of LampFeedback: red 1, amber 2, green 4; and going on and off 8.
+uint32_t elmopp_lamps_bits(const elmopp_lamps_t *lamps, uint32_t g);
+
+/// Lets exactly these lamps of group g burn.
+void elmopp_lamps_light(elmopp_lamps_t *lamps, uint32_t g, uint32_t bits);
 
 /// The aspect that group g shows; ELMOPP_ASPECT_COUNT if its lamps make none.
 elmopp_aspect_t elmopp_lamps_aspect(const elmopp_lamps_t *lamps, uint32_t g);
