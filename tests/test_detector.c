@@ -282,6 +282,25 @@ static void test_a_movement_that_nobody_ever_saw_has_one_vehicle_and_no_arrivals
     TEST_ASSERT_EQUAL_FLOAT(0.0F, arrived_veh[1]);
 }
 
+/* --- beyond every site --- */
+
+static void test_a_movement_beyond_those_that_a_frame_carries_hears_nothing(void) {
+    junction.approach_count = 1U;
+    junction.movement[1].approach = 0U;
+    junction.movement[3].approach = 0U;
+    good_seconds(ELMOPP_DETECTOR_RECOVER_S);
+    TEST_ASSERT_EQUAL_HEX32(0x7U, detector.trusted);
+}
+
+static void test_a_mean_goes_on_when_its_seconds_no_longer_count(void) {
+    good_seconds(ELMOPP_DETECTOR_RECOVER_S);
+    detector.lane[0].seen_s = UINT32_MAX;
+    detector.lane[0].mean_veh_per_s = 0.5F;
+    good_seconds(1U);
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, detector.lane[0].seen_s);
+    TEST_ASSERT_FLOAT_WITHIN(0.01F, 0.5F, detector.lane[0].mean_veh_per_s);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_nobody_is_trusted_at_first_and_after_five_good_seconds_those_who_report);
@@ -300,5 +319,7 @@ int main(void) {
     RUN_TEST(test_a_limit_of_zero_finds_nothing);
     RUN_TEST(test_an_untrusted_movement_has_its_average_and_at_least_one_vehicle);
     RUN_TEST(test_a_movement_that_nobody_ever_saw_has_one_vehicle_and_no_arrivals);
+    RUN_TEST(test_a_movement_beyond_those_that_a_frame_carries_hears_nothing);
+    RUN_TEST(test_a_mean_goes_on_when_its_seconds_no_longer_count);
     return UNITY_END();
 }

@@ -172,10 +172,8 @@ static elmopp_stage_t first_stage_for(const elmopp_junction_t *junction, uint32_
 
 /* The stage that the bound on red asks for, ELMOPP_STAGE_NONE if it is far. */
 static elmopp_stage_t rescue(const elmopp_plan_t *self) {
-    if ((self->junction->red_bound_ds == 0U) || (!is_pressing(self))) {
-        return ELMOPP_STAGE_NONE;
-    }
-    const uint32_t oldest = longest_waiting(self, UINT16_MAX);
+    const bool pressing = (self->junction->red_bound_ds != 0U) && is_pressing(self);
+    const uint32_t oldest = pressing ? longest_waiting(self, UINT16_MAX) : ELMOPP_MOVEMENT_MAX;
     return (oldest < ELMOPP_MOVEMENT_MAX) ? self->junction->rescue_stage[oldest] : (elmopp_stage_t)ELMOPP_STAGE_NONE;
 }
 

@@ -22,6 +22,10 @@ static elmopp_site_verdict_t fault(elmopp_site_fault_t what, uint32_t first, uin
     return (elmopp_site_verdict_t){what, (uint8_t)first, (uint8_t)second};
 }
 
+static elmopp_site_verdict_t verdict_of(bool good, elmopp_site_fault_t what, uint32_t first, uint32_t second) {
+    return good ? ok : fault(what, first, second);
+}
+
 static uint16_t all_groups(const elmopp_junction_t *junction) {
     return (uint16_t)(((uint32_t)1U << junction->group_count) - 1U);
 }
@@ -91,7 +95,7 @@ elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction
     if (!hold) {
         return fault(ELMOPP_SITE_HOLD, 0U, 0U);
     }
-    return start_fits(junction) ? ok : fault(ELMOPP_SITE_START, 0U, 0U);
+    return verdict_of(start_fits(junction), ELMOPP_SITE_START, 0U, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_approach(const elmopp_junction_t *junction, uint32_t approach) {
@@ -99,7 +103,7 @@ elmopp_site_verdict_t elmopp_site_check_approach(const elmopp_junction_t *juncti
     for (uint32_t j = 0U; j < junction->movement_count; j++) {
         movements += (junction->movement[j].approach == approach) ? 1U : 0U;
     }
-    return (movements <= ELMOPP_APPROACH_MOVEMENT_MAX) ? ok : fault(ELMOPP_SITE_APPROACH, approach, 0U);
+    return verdict_of(movements <= ELMOPP_APPROACH_MOVEMENT_MAX, ELMOPP_SITE_APPROACH, approach, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *junction, uint32_t movement) {
@@ -112,14 +116,14 @@ elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *juncti
     for (uint32_t s = 0U; s < junction->stage_count; s++) {
         served = served || elmopp_junction_goes(junction, movement, junction->stage_groups[s]);
     }
-    return (numbers && places && served) ? ok : fault(ELMOPP_SITE_MOVEMENT, movement, 0U);
+    return verdict_of(numbers && places && served, ELMOPP_SITE_MOVEMENT, movement, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_rescue(const elmopp_junction_t *junction, uint32_t movement) {
     const uint32_t stage = junction->rescue_stage[movement];
     const bool serves =
         (stage < junction->stage_count) && elmopp_junction_goes(junction, movement, junction->stage_groups[stage]);
-    return serves ? ok : fault(ELMOPP_SITE_RESCUE, movement, 0U);
+    return verdict_of(serves, ELMOPP_SITE_RESCUE, movement, 0U);
 }
 
 static bool group_times_fit(const elmopp_group_t *times) {
@@ -136,7 +140,7 @@ elmopp_site_verdict_t elmopp_site_check_group(const elmopp_junction_t *junction,
     const bool green =
         (times->min_green_ds >= shortest_ds) && (unbounded || (times->max_green_ds >= times->min_green_ds));
     const bool lamps = (times->node < ELMOPP_NODE_MAX) && (times->flash <= (uint8_t)ELMOPP_FLASH_DARK);
-    return (amber && green && lamps && group_times_fit(times)) ? ok : fault(ELMOPP_SITE_GROUP, group, 0U);
+    return verdict_of(amber && green && lamps && group_times_fit(times), ELMOPP_SITE_GROUP, group, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, uint32_t ending, uint32_t starting) {
@@ -149,8 +153,8 @@ elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, 
     const uint32_t intergreen_ds = junction->intergreen_ds[ending][starting];
     const uint32_t lamps_ds = (uint32_t)junction->group[ending].amber_ds + junction->group[starting].red_amber_ds;
     const bool apart = (intergreen_ds >= lamps_ds) && (intergreen_ds <= ELMOPP_SITE_TIME_MAX_DS);
-    const bool good = (conflict && apart) || ((!conflict) && (intergreen_ds == 0U));
-    return good ? ok : fault(ELMOPP_SITE_INTERGREEN, ending, starting);
+    const bool good = conflict ? apart : (intergreen_ds == 0U);
+    return verdict_of(good, ELMOPP_SITE_INTERGREEN, ending, starting);
 }
 
 /* Compatible groups that are all in the stage, and no further one that would fit. */
@@ -183,7 +187,7 @@ static elmopp_site_verdict_t check_served(const elmopp_junction_t *junction, uin
     for (uint32_t s = 0U; s < junction->stage_count; s++) {
         served = served || elmopp_mask_has(junction->stage_groups[s], group);
     }
-    return served ? ok : fault(ELMOPP_SITE_STAGE, group, 0U);
+    return verdict_of(served, ELMOPP_SITE_STAGE, group, 0U);
 }
 
 static elmopp_site_verdict_t check_pairs(const elmopp_junction_t *junction) {
@@ -228,7 +232,7 @@ elmopp_site_verdict_t elmopp_site_check_red_bound(const elmopp_junction_t *junct
     const bool none = (junction->red_bound_ds == 0U) && (junction->simulation_only == 1U);
     const bool kept =
         time_fits(junction->red_bound_ds) && (junction->red_bound_ds >= elmopp_site_red_bound_min_ds(junction));
-    return (none || kept) ? ok : fault(ELMOPP_SITE_RED_BOUND, 0U, 0U);
+    return verdict_of(none || kept, ELMOPP_SITE_RED_BOUND, 0U, 0U);
 }
 
 /* --- programmes and their hours --- */
@@ -273,17 +277,16 @@ elmopp_site_verdict_t elmopp_site_check_schedule(const elmopp_junction_t *juncti
     const bool when =
         (entry->from_min < MINUTES_PER_DAY) && (entry->weekdays != 0U) && (entry->weekdays <= ALL_WEEKDAYS);
     const bool what = (entry->program < junction->program_count) || (entry->program == (uint8_t)ELMOPP_SCHEDULE_FLASH);
-    return (when && what) ? ok : fault(ELMOPP_SITE_SCHEDULE, line, 0U);
+    return verdict_of(when && what, ELMOPP_SITE_SCHEDULE, line, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_special_day(const elmopp_junction_t *junction, uint32_t special_day) {
-    return (junction->special_day[special_day].weekday <= SUNDAY) ? ok
-                                                                  : fault(ELMOPP_SITE_SPECIAL_DAY, special_day, 0U);
+    return verdict_of(junction->special_day[special_day].weekday <= SUNDAY, ELMOPP_SITE_SPECIAL_DAY, special_day, 0U);
 }
 
 static elmopp_site_verdict_t check_program_count(const elmopp_junction_t *junction) {
     const bool enough = (junction->program_count > 0U) || (junction->simulation_only == 1U);
-    return enough ? ok : fault(ELMOPP_SITE_PROGRAM, 0U, ELMOPP_STEP_MAX);
+    return verdict_of(enough, ELMOPP_SITE_PROGRAM, 0U, ELMOPP_STEP_MAX);
 }
 
 /* --- everything --- */
@@ -347,25 +350,12 @@ elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
 static elmopp_site_verdict_t check_envelope(const uint8_t *image, uint32_t length) {
     static const elmopp_image_kind_t kind = {
         {0x45U, 0x4CU, 0x4DU, 0x53U}, ELMOPP_SITE_IMAGE_VERSION_NOW, (uint32_t)sizeof(elmopp_junction_t)}; /* "ELMS" */
-    elmopp_site_fault_t what = ELMOPP_SITE_OK;
-    switch (elmopp_image_check(&kind, image, length)) {
-    case ELMOPP_IMAGE_OK:
-        break;
-    case ELMOPP_IMAGE_MAGIC:
-        what = ELMOPP_SITE_IMAGE_MAGIC;
-        break;
-    case ELMOPP_IMAGE_VERSION:
-        what = ELMOPP_SITE_IMAGE_VERSION;
-        break;
-    case ELMOPP_IMAGE_LENGTH:
-        what = ELMOPP_SITE_IMAGE_LENGTH;
-        break;
-    case ELMOPP_IMAGE_CRC:
-    default:
-        what = ELMOPP_SITE_IMAGE_CRC;
-        break;
-    }
-    return fault(what, 0U, 0U);
+    static const elmopp_site_fault_t named[] = {[ELMOPP_IMAGE_OK] = ELMOPP_SITE_OK,
+                                                [ELMOPP_IMAGE_MAGIC] = ELMOPP_SITE_IMAGE_MAGIC,
+                                                [ELMOPP_IMAGE_VERSION] = ELMOPP_SITE_IMAGE_VERSION,
+                                                [ELMOPP_IMAGE_LENGTH] = ELMOPP_SITE_IMAGE_LENGTH,
+                                                [ELMOPP_IMAGE_CRC] = ELMOPP_SITE_IMAGE_CRC};
+    return fault(named[elmopp_image_check(&kind, image, length)], 0U, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_load(const uint8_t *image, uint32_t length, elmopp_junction_t *out) {
