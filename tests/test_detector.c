@@ -3,6 +3,7 @@
 
 /// The detector: no vehicle lost, nobody believed who should not be.
 
+#include "assert_catcher.h"
 #include "elmopp/detector.h"
 #include "random.h"
 #include "sites.h"
@@ -301,6 +302,10 @@ static void test_a_mean_goes_on_when_its_seconds_no_longer_count(void) {
     TEST_ASSERT_FLOAT_WITHIN(0.01F, 0.5F, detector.lane[0].mean_veh_per_s);
 }
 
+static void test_a_reason_that_the_bus_does_not_know_is_a_mistake_of_the_caller(void) {
+    TEST_EXPECT_ASSERT(elmopp_detector_take(&detector, 0U, report, (uint8_t)ELMOPP_REASON_COUNT));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_nobody_is_trusted_at_first_and_after_five_good_seconds_those_who_report);
@@ -321,5 +326,6 @@ int main(void) {
     RUN_TEST(test_a_movement_that_nobody_ever_saw_has_one_vehicle_and_no_arrivals);
     RUN_TEST(test_a_movement_beyond_those_that_a_frame_carries_hears_nothing);
     RUN_TEST(test_a_mean_goes_on_when_its_seconds_no_longer_count);
+    RUN_TEST(test_a_reason_that_the_bus_does_not_know_is_a_mistake_of_the_caller);
     return UNITY_END();
 }

@@ -158,6 +158,14 @@ static void check_counter(bool started, uint32_t age_ds, uint32_t last, uint32_t
     TEST_ASSERT_EQUAL_INT(taken || started, link.started);
 }
 
+static void test_a_new_link_has_heard_nothing(void) {
+    memset(&link, 0x5A, sizeof link);
+    elmopp_link_init(&link);
+    TEST_ASSERT_FALSE(link.started);
+    TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, link.age_ds);
+    TEST_ASSERT_EQUAL_UINT8(0U, link.counter);
+}
+
 static void test_every_counter_after_every_other_at_every_age(void) {
     static const uint32_t ages[] = {0U, 1U, TIMEOUT_DS - 1U, TIMEOUT_DS, TIMEOUT_DS + 1U, UINT16_MAX};
     for (uint32_t a = 0U; a < 6U; a++) {
@@ -243,6 +251,7 @@ int main(void) {
     RUN_TEST(test_every_error_of_one_or_two_bits_in_every_frame_is_found);
     RUN_TEST(test_a_frame_of_one_id_is_believed_at_no_other);
     RUN_TEST(test_only_eight_bytes_are_a_frame);
+    RUN_TEST(test_a_new_link_has_heard_nothing);
     RUN_TEST(test_every_counter_after_every_other_at_every_age);
     RUN_TEST(test_the_age_counts_ticks_and_saturates);
     RUN_TEST(test_lamps_and_aspects_are_the_same_thing_for_every_group);

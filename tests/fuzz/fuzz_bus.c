@@ -5,8 +5,8 @@
 ///
 /// First byte: the site. Then one step after the other, the first byte of which says what: a frame as it comes; a frame
 /// with the right checksum and the counter that is next; ticks of the bench, with cameras and lamp nodes that answer or
-/// are silent; a stuck or broken lamp; a power cut; the reset key. Nothing crashes, no assert breaks, and the bench's own
-/// eyes see no conflict, no short interval and no wrong order on the street.
+/// are silent; a stuck or broken lamp; a power cut; the reset key. Nothing crashes, no assert breaks, and the bench's
+/// own eyes see no conflict, no short interval and no wrong order on the street.
 
 #include "bench.h"
 #include "elmopp_can.h"
@@ -26,8 +26,19 @@ static elmopp_junction_t any_site(uint8_t choice) {
 }
 
 static uint16_t any_id(fuzz_input_t *input) {
-    static const uint16_t ids[] = {ELMOPP_CAN_COMMAND_FRAME_ID, 0x100U, 0x101U, 0x102U, 0x103U, 0x104U,
-                                   0x107U, 0x080U, 0x090U, 0x091U, 0x180U, 0x190U, 0x097U};
+    static const uint16_t ids[] = {ELMOPP_CAN_COMMAND_FRAME_ID,
+                                   0x100U,
+                                   0x101U,
+                                   0x102U,
+                                   0x103U,
+                                   0x104U,
+                                   0x107U,
+                                   0x080U,
+                                   0x090U,
+                                   0x091U,
+                                   0x180U,
+                                   0x190U,
+                                   0x097U};
     return ids[fuzz_byte(input) % (sizeof ids / sizeof ids[0])];
 }
 

@@ -4,8 +4,8 @@
 /// Any bytes as a site image. First byte even: the rest is the image. Odd: the rest are changes of a good site, which
 /// get a right envelope, so that the check of the data is reached.
 ///
-/// Nothing beyond the image is read, a refused one leaves the caller's copy alone, and one that is loaded can be driven:
-/// under changing wishes the monitor has nothing to say against the plan.
+/// Nothing beyond the image is read, a refused one leaves the caller's copy alone, and one that is loaded can be
+/// driven: under changing wishes the monitor has nothing to say against the plan.
 
 #include "elmopp/monitor.h"
 #include "elmopp/plan.h"
