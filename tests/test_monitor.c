@@ -422,6 +422,50 @@ static void test_of_two_faults_in_one_tick_the_lowest_group_is_named(void) {
     bad(ELMOPP_FAULT_DARK, 1U, "R.X");
 }
 
+/* --- edges --- */
+
+static void test_a_new_monitor_has_seen_every_group_flash_as_its_site_says(void) {
+    junction.group[1].flash = ELMOPP_FLASH_RED;
+    junction.group[2].flash = ELMOPP_FLASH_DARK;
+    elmopp_monitor_init(&monitor, &junction);
+    TEST_ASSERT_EQUAL_HEX16(0x0002U, monitor.last.red);
+    TEST_ASSERT_EQUAL_HEX16(0x0001U, monitor.last.amber);
+    TEST_ASSERT_EQUAL_HEX16(0x0000U, monitor.last.green);
+    TEST_ASSERT_EQUAL_HEX16(0x0003U, monitor.last.flash);
+}
+
+static void test_amber_and_red_amber_of_one_tick_must_be_shown(void) {
+    junction.group[0].red_amber_ds = 1U;
+    good("RRR", CROSS_INTERGREEN_DS);
+    bad(ELMOPP_FAULT_SHORT_RED_AMBER, 0U, "GRR");
+    setUp();
+    bring_up_green();
+    junction.group[0].amber_ds = 1U;
+    bad(ELMOPP_FAULT_SHORT_AMBER, 0U, "RRR");
+}
+
+/* What a damaged site says of groups beyond its count is not looked at, and nothing is remembered of them. */
+static void test_groups_that_do_not_exist_neither_conflict_nor_grow_old(void) {
+    junction.conflict[0] |= (uint16_t)(1U << GROUPS);
+    junction.intergreen_ds[GROUPS][0] = UINT16_MAX;
+    bring_up_green();
+    TEST_ASSERT_EQUAL_UINT16(0U, monitor.age_ds[GROUPS]);
+    TEST_ASSERT_EQUAL_UINT16(0U, monitor.since_green_ds[GROUPS]);
+}
+
+static void test_times_saturate(void) {
+    good("RRR", 2U);
+    monitor.age_ds[0] = UINT16_MAX;
+    monitor.since_green_ds[0] = UINT16_MAX;
+    monitor.differs_ds[0] = UINT8_MAX;
+    measures_itself = false;
+    input.measured = lamps_of("GRR");
+    bad(ELMOPP_FAULT_FEEDBACK_DIFFERS, 0U, "RRR");
+    TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, monitor.age_ds[0]);
+    TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, monitor.since_green_ds[0]);
+    TEST_ASSERT_EQUAL_UINT8(UINT8_MAX, monitor.differs_ds[0]);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_whole_cycle_passes);
@@ -456,5 +500,9 @@ int main(void) {
     RUN_TEST(test_only_starting_does_without_feedback);
     RUN_TEST(test_the_first_fault_latches_and_keeps_its_group);
     RUN_TEST(test_of_two_faults_in_one_tick_the_lowest_group_is_named);
+    RUN_TEST(test_a_new_monitor_has_seen_every_group_flash_as_its_site_says);
+    RUN_TEST(test_amber_and_red_amber_of_one_tick_must_be_shown);
+    RUN_TEST(test_groups_that_do_not_exist_neither_conflict_nor_grow_old);
+    RUN_TEST(test_times_saturate);
     return UNITY_END();
 }

@@ -3,8 +3,10 @@
 
 /// The plan, tick by tick. "Tick t" counts from the first tick with a new wish, which is tick 0.
 
+#include "assert_catcher.h"
 #include "elmopp/plan.h"
 #include "plan_tick.h"
+#include "random.h"
 #include "sites.h"
 #include "unity.h"
 
@@ -575,6 +577,70 @@ static void test_movements_that_do_not_exist_never_wait(void) {
     }
 }
 
+/* --- what does not exist --- */
+
+/* Says the worst of every group, movement and stage beyond the counts of a damaged site. */
+static void damage(elmopp_junction_t *site, elmopp_plan_t *state) {
+    const uint16_t beyond = (uint16_t)(UINT16_MAX << site->group_count);
+    for (uint32_t g = site->group_count; g < ELMOPP_GROUP_MAX; g++) {
+        site->group[g] = (elmopp_group_t){.max_green_ds = 1U};
+        site->conflict[g] = UINT16_MAX;
+        state->group[g] = (elmopp_plan_group_t){ELMOPP_ASPECT_GREEN, UINT16_MAX, 0U, UINT16_MAX};
+        for (uint32_t h = 0U; h < ELMOPP_GROUP_MAX; h++) {
+            site->intergreen_ds[g][h] = UINT16_MAX;
+            site->conflict[h] |= beyond;
+        }
+    }
+    for (uint32_t j = site->movement_count; j < ELMOPP_MOVEMENT_MAX; j++) {
+        site->movement[j].groups = UINT16_MAX;
+        site->rescue_stage[j] = 1U;
+        state->wait_ds[j] = UINT16_MAX;
+    }
+}
+
+static void test_groups_and_movements_that_do_not_exist_change_nothing(void) {
+    uint64_t random = 1U;
+    junction.red_bound_ds = 800U;
+    elmopp_plan_init(&plan, &junction);
+    elmopp_junction_t damaged = junction;
+    elmopp_plan_t other = plan;
+    other.junction = &damaged;
+    damage(&damaged, &other);
+    for (uint32_t tick = 0U; tick < LONG_TIME; tick++) {
+        const bool again = (random_next(&random) % 64U) == 0U;
+        const elmopp_stage_t wanted = again ? (elmopp_stage_t)random_below(&random, STAGES) : plan.target;
+        const uint32_t demand = again ? random_below(&random, 8U) : 0U;
+        lamps = elmopp_plan_step(&plan, wanted, demand);
+        const elmopp_lamps_t same = elmopp_plan_step(&other, wanted, demand);
+        TEST_ASSERT_EQUAL_HEX16(lamps.green, same.green);
+        TEST_ASSERT_EQUAL_HEX16(lamps.amber, same.amber);
+        TEST_ASSERT_EQUAL_UINT8(plan.target, other.target);
+        TEST_ASSERT_EQUAL_UINT16(plan.group[0].contested_ds, other.group[0].contested_ds);
+    }
+}
+
+static void test_a_group_that_does_not_exist_is_never_green(void) {
+    junction.movement[0].groups = (uint16_t)(1U << STAGES);
+    plan.group[STAGES].aspect = ELMOPP_ASPECT_GREEN;
+    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 1U);
+    TEST_ASSERT_EQUAL_UINT16(1U, plan.wait_ds[0]);
+}
+
+static void test_a_new_group_has_been_red_for_a_tick(void) {
+    for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
+        TEST_ASSERT_EQUAL_UINT16(1U, plan.group[g].age_ds);
+    }
+}
+
+static void test_a_green_once_contested_counts_on(void) {
+    const elmopp_plan_group_t green = {.aspect = ELMOPP_ASPECT_GREEN, .age_ds = 5U, .contested_ds = 1U};
+    TEST_ASSERT_EQUAL_UINT16(2U, elmopp_plan_older(green, false).contested_ds);
+}
+
+static void test_a_stage_that_does_not_exist_is_a_mistake_of_the_caller(void) {
+    TEST_EXPECT_ASSERT(elmopp_plan_step(&plan, STAGES, 0U));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_before_the_first_wish_everything_is_red_for_ever);
@@ -621,5 +687,10 @@ int main(void) {
     RUN_TEST(test_the_oldest_is_rescued_first_and_greens_are_cut_to_their_minimum);
     RUN_TEST(test_a_movement_that_is_partly_served_goes_on_waiting);
     RUN_TEST(test_movements_that_do_not_exist_never_wait);
+    RUN_TEST(test_groups_and_movements_that_do_not_exist_change_nothing);
+    RUN_TEST(test_a_group_that_does_not_exist_is_never_green);
+    RUN_TEST(test_a_new_group_has_been_red_for_a_tick);
+    RUN_TEST(test_a_green_once_contested_counts_on);
+    RUN_TEST(test_a_stage_that_does_not_exist_is_a_mistake_of_the_caller);
     return UNITY_END();
 }
