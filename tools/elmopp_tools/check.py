@@ -22,7 +22,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "build" / "check"
-PRESETS = ("host", "asan", "release", "cortex-m4")
+PRESETS = ("host", "asan", "release", "cortex-m4", "fuzz")
 C_FOLDERS = ("firmware", "host_sim", "tests")
 C_SUFFIXES = (".c", ".h", ".cpp", ".hpp")
 JOBS = len(os.sched_getaffinity(0))
@@ -339,6 +339,7 @@ def main() -> int:
     REPORTS.mkdir(parents=True)
     tally = Tally()
     build_and_test(arguments.all, allowed, tally)
+    run_step(commands("coverage", [tool("python"), "tools/coverage"]), tally)
     lint(tally)
     summarise(tally, time.time() - arguments.since)
     return 1 if tally.failed else 0
