@@ -11,28 +11,55 @@
 #include "elmopp/monitor.h"
 #include "elmopp/plan.h"
 
-/// One group by itself. Unsigned: an enum may hold any number.
+/// An aspect of a plan. Unsigned: an enum may hold any number.
+static inline bool is_shown(uint32_t aspect) {
+    return (aspect >= (uint32_t)ELMOPP_ASPECT_RED) && (aspect <= (uint32_t)ELMOPP_ASPECT_AMBER);
+}
+
+/// One group by itself.
 static inline bool group_is_consistent(const elmopp_group_t *site, const elmopp_plan_group_t *group) {
     const uint32_t aspect = (uint32_t)group->aspect;
-    const bool shown = (aspect >= (uint32_t)ELMOPP_ASPECT_RED) && (aspect <= (uint32_t)ELMOPP_ASPECT_AMBER);
     const bool red_amber = (aspect != (uint32_t)ELMOPP_ASPECT_RED_AMBER) || (group->age_ds <= site->red_amber_ds);
     const bool amber = (aspect != (uint32_t)ELMOPP_ASPECT_AMBER) || (group->age_ds <= site->amber_ds);
     const bool green = (aspect != (uint32_t)ELMOPP_ASPECT_GREEN) || (group->since_green_ds == 0U);
-    return shown && red_amber && amber && green && (group->age_ds >= 1U);
+    return is_shown(aspect) && red_amber && amber && green && (group->age_ds >= 1U);
 }
 
-/// Two groups in conflict are not both off red, and one that is on its way to green will be late enough.
-static inline bool is_apart(const elmopp_junction_t *junction, const elmopp_plan_group_t group[ELMOPP_GROUP_MAX],
-                            uint32_t g, uint32_t h) {
-    const uint32_t to_green_ds = (uint32_t)junction->group[g].red_amber_ds - group[g].age_ds;
-    const bool late_enough = ((uint32_t)group[h].since_green_ds + to_green_ds) >= junction->intergreen_ds[h][g];
-    return (group[g].aspect == ELMOPP_ASPECT_RED) ||
-           ((group[h].aspect == ELMOPP_ASPECT_RED) && ((group[g].aspect != ELMOPP_ASPECT_RED_AMBER) || late_enough));
+/// A group against one that it conflicts with: not both are off red, and if it is on its way to green it will be late
+/// enough.
+static inline bool is_apart(const elmopp_group_t *site, uint32_t intergreen_ds, elmopp_plan_group_t own,
+                            elmopp_plan_group_t other) {
+    const uint32_t to_green_ds = (uint32_t)site->red_amber_ds - own.age_ds;
+    const bool late_enough = ((uint32_t)other.since_green_ds + to_green_ds) >= intergreen_ds;
+    return (own.aspect == ELMOPP_ASPECT_RED) ||
+           ((other.aspect == ELMOPP_ASPECT_RED) && ((own.aspect != ELMOPP_ASPECT_RED_AMBER) || late_enough));
 }
 
 static inline bool pair_holds(const elmopp_junction_t *junction, const elmopp_plan_group_t group[ELMOPP_GROUP_MAX],
                               uint32_t g, uint32_t h) {
-    return is_apart(junction, group, g, h) && is_apart(junction, group, h, g);
+    return is_apart(&junction->group[g], junction->intergreen_ds[h][g], group[g], group[h]) &&
+           is_apart(&junction->group[h], junction->intergreen_ds[g][h], group[h], group[g]);
+}
+
+static inline bool is_same(elmopp_plan_group_t one, elmopp_plan_group_t other) {
+    return (one.aspect == other.aspect) && (one.age_ds == other.age_ds) &&
+           (one.since_green_ds == other.since_green_ds) && (one.contested_ds == other.contested_ds);
+}
+
+/// What elmopp_plan_start() may make of a group beside one that it conflicts with: of red-amber whose time is up green;
+/// of red, if the target keeps the group, the other is red and its intergreen will have run out, red-amber, or green
+/// where the site has no red-amber; of everything else nothing.
+static inline bool may_follow(const elmopp_group_t *site, uint32_t intergreen_ds, elmopp_plan_group_t own,
+                              elmopp_plan_group_t other, bool keep, elmopp_plan_group_t next) {
+    const uint32_t free_ds = (uint32_t)other.since_green_ds + site->red_amber_ds;
+    const bool clear = (other.aspect == ELMOPP_ASPECT_RED) && (free_ds >= intergreen_ds);
+    const bool fresh =
+        (next.age_ds == 0U) && (next.since_green_ds == own.since_green_ds) && (next.contested_ds == own.contested_ds);
+    const bool green = fresh && (next.aspect == ELMOPP_ASPECT_GREEN);
+    const bool red_amber = fresh && (next.aspect == ELMOPP_ASPECT_RED_AMBER);
+    const bool in_time = (own.aspect == ELMOPP_ASPECT_RED_AMBER) && (own.age_ds >= site->red_amber_ds);
+    const bool from_red = (own.aspect == ELMOPP_ASPECT_RED) && (own.age_ds > 0U) && keep && clear;
+    return in_time ? green : (is_same(own, next) || (from_red && ((site->red_amber_ds > 0U) ? red_amber : green)));
 }
 
 /// The monitor has seen what the plan has shown of this group.

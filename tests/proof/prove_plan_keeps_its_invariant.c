@@ -3,34 +3,49 @@
 
 /// Whatever state the plan is in that it can reach, whatever is wished and changed in every tick: after one tick any
 /// two conflicting groups are again not both off red, and a start has its intergreen. With prove_plan_starts_apart this
-/// is unbounded time.
+/// is unbounded time. Of elmopp_plan_start() only what prove_plan_starts_only_when_clear has claimed is used, and of
+/// the other groups nothing: they can only keep these two from starting.
 
 #include "invariant.h"
 
+elmopp_plan_group_t nondet_group(void);
+
+/* Any group that elmopp_plan_start() may return for `own` against a conflicting group. */
+static elmopp_plan_group_t any_started(const elmopp_group_t *site, uint32_t intergreen_ds, elmopp_plan_group_t own,
+                                       elmopp_plan_group_t other, bool keep) {
+    const elmopp_plan_group_t started = nondet_group();
+    ASSUME(may_follow(site, intergreen_ds, own, other, keep, started));
+    return started;
+}
+
 void harness(void) {
     const elmopp_junction_t junction = any_junction();
-    const uint32_t g = any_group_among_others(&junction);
-    elmopp_plan_group_t before[ELMOPP_GROUP_MAX];
-    elmopp_plan_group_t ended[ELMOPP_GROUP_MAX];
+    uint32_t g;
+    uint32_t h;
+    any_conflict(&junction, &g, &h);
+    const elmopp_group_t site_g = junction.group[g];
+    const elmopp_group_t site_h = junction.group[h];
+    const uint32_t from_h_to_g_ds = junction.intergreen_ds[h][g];
+    const uint32_t from_g_to_h_ds = junction.intergreen_ds[g][h];
+    const elmopp_plan_group_t before_g = nondet_group();
+    const elmopp_plan_group_t before_h = nondet_group();
+    ASSUME(group_is_consistent(&site_g, &before_g) && group_is_consistent(&site_h, &before_h));
+    ASSUME(is_apart(&site_g, from_h_to_g_ds, before_g, before_h));
+    ASSUME(is_apart(&site_h, from_g_to_h_ds, before_h, before_g));
     /* A stage never holds two groups in conflict: elmopp_site_check_stage(); all red holds none. */
-    const uint32_t kept = nondet_u16();
-    ASSUME((!has(kept, g)) || ((kept & junction.conflict[g]) == 0U));
+    const bool keep_g = nondet_bool();
+    const bool keep_h = nondet_bool();
+    ASSUME(!(keep_g && keep_h));
 
-    ASSUME(group_is_consistent(&junction.group[g], &before[g]));
-    for (uint32_t h = 0U; h < junction.group_count; h++) {
-        if (has(junction.conflict[g], h)) {
-            ASSUME(group_is_consistent(&junction.group[h], &before[h]));
-            ASSUME(pair_holds(&junction, before, g, h));
-        }
-        ended[h] = elmopp_plan_end(&junction.group[h], before[h], has(kept, h));
-    }
-    elmopp_plan_group_t after[ELMOPP_GROUP_MAX];
-    after[g] = elmopp_plan_older(elmopp_plan_start(&junction, ended, g, has(kept, g)), nondet_bool());
-    CLAIM(group_is_consistent(&junction.group[g], &after[g]), "a group stays consistent");
+    const elmopp_plan_group_t ended_g = elmopp_plan_end(&site_g, before_g, keep_g);
+    const elmopp_plan_group_t ended_h = elmopp_plan_end(&site_h, before_h, keep_h);
+    const elmopp_plan_group_t started_g = any_started(&site_g, from_h_to_g_ds, ended_g, ended_h, keep_g);
+    const elmopp_plan_group_t started_h = any_started(&site_h, from_g_to_h_ds, ended_h, ended_g, keep_h);
+    const elmopp_plan_group_t after_g = elmopp_plan_older(started_g, nondet_bool());
+    const elmopp_plan_group_t after_h = elmopp_plan_older(started_h, nondet_bool());
 
-    const uint32_t h = nondet_u8();
-    ASSUME((h < junction.group_count) && has(junction.conflict[g], h));
-    after[h] = elmopp_plan_older(elmopp_plan_start(&junction, ended, h, has(kept, h)), nondet_bool());
-    CLAIM(pair_holds(&junction, after, g, h), "a pair stays apart");
+    CLAIM(group_is_consistent(&site_g, &after_g) && group_is_consistent(&site_h, &after_h), "groups stay consistent");
+    CLAIM(is_apart(&site_g, from_h_to_g_ds, after_g, after_h), "a pair stays apart");
+    CLAIM(is_apart(&site_h, from_g_to_h_ds, after_h, after_g), "a pair stays apart the other way round");
     REACHABLE();
 }

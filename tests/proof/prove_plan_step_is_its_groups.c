@@ -1,46 +1,84 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// One step of the plan is its three pure functions applied to every group of the state before, and its lamps are those
-/// of the groups: the loops add nothing. The target is a stage of the site or none.
+/// One tick of the plan moves every group by its three pure functions, each called once, on the state before the tick
+/// and on one snapshot of all ends, with the target's and the waiting groups' own bits; and its lamps are those of the
+/// groups. The loops add nothing. The three functions are replaced by others that look at what they are given and
+/// answer anything. Which stage the target is: prove_plan_aims_at_a_stage.
+
+#include "plan.c"
 
 #include "invariant.h"
 
 elmopp_plan_t nondet_plan(void);
+elmopp_plan_group_t nondet_group(void);
 
-/* Level 0 asks these of a movement; here nobody waits, so that the wish decides. */
+elmopp_plan_group_t watched_end(const elmopp_group_t *site, elmopp_plan_group_t before, bool keep);
+elmopp_plan_group_t watched_start(const elmopp_junction_t *junction, const elmopp_plan_group_t ended[ELMOPP_GROUP_MAX],
+                                  uint32_t g, bool keep);
+elmopp_plan_group_t watched_older(elmopp_plan_group_t started, bool contested);
+
+static elmopp_junction_t site;
+static elmopp_plan_group_t before_g;
+static uint32_t kept;
+static uint16_t waiting;
+static uint32_t own;                ///< one group, any
+static uint32_t calls[3];           ///< of the three functions
+static elmopp_plan_group_t made[3]; ///< by them, of the one group
+
+static elmopp_plan_group_t anything(void) {
+    const elmopp_plan_group_t group = nondet_group();
+    ASSUME(is_shown((uint32_t)group.aspect));
+    return group;
+}
+
+elmopp_plan_group_t watched_end(const elmopp_group_t *group, elmopp_plan_group_t before, bool keep) {
+    const uint32_t call = calls[0]++;
+    CLAIM((call < site.group_count) && (group == &site.group[call]), "ends are worked out once a group, in order");
+    CLAIM((call != own) || (is_same(before, before_g) && (keep == has(kept, own))), "an end is given its own group");
+    return (call == own) ? made[0] : anything();
+}
+
+elmopp_plan_group_t watched_start(const elmopp_junction_t *junction, const elmopp_plan_group_t ended[ELMOPP_GROUP_MAX],
+                                  uint32_t g, bool keep) {
+    const uint32_t call = calls[1]++;
+    CLAIM((junction == &site) && (g == call) && (calls[0] == site.group_count), "starts come after all ends, in order");
+    CLAIM(is_same(ended[own], made[0]), "a start is given all ends");
+    CLAIM((g != own) || (keep == has(kept, own)), "a start is given its own bit");
+    return (g == own) ? made[1] : anything();
+}
+
+elmopp_plan_group_t watched_older(elmopp_plan_group_t started, bool contested) {
+    const uint32_t call = calls[2]++;
+    CLAIM(calls[1] == calls[2], "a group grows older as it has started");
+    CLAIM((call != own) || (is_same(started, made[1]) && (contested == ((site.conflict[own] & waiting) != 0U))),
+          "a group's contest is its own");
+    return (call == own) ? made[2] : anything();
+}
+
 void harness(void) {
-    elmopp_junction_t junction = any_junction();
-    junction.movement_count = 0U;
+    site = any_junction();
     elmopp_plan_t plan = nondet_plan();
-    plan.junction = &junction;
-    ASSUME((plan.target == ELMOPP_STAGE_NONE) || (plan.target < junction.stage_count));
-    const elmopp_stage_t wanted = nondet_u8();
-    ASSUME((wanted == ELMOPP_STAGE_NONE) || (wanted == ELMOPP_STAGE_RED) || (wanted < junction.stage_count));
-    const uint32_t g = nondet_u8();
-    ASSUME(g < junction.group_count);
-
-    const elmopp_plan_t before = plan;
-    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, nondet_u32());
-    CLAIM((plan.target == ELMOPP_STAGE_NONE) || (plan.target < junction.stage_count), "the target exists");
-    const uint32_t kept = (plan.target == ELMOPP_STAGE_NONE) ? 0U : junction.stage_groups[plan.target];
-
-    elmopp_plan_group_t ended[ELMOPP_GROUP_MAX];
-    for (uint32_t h = 0U; h < ELMOPP_GROUP_MAX; h++) {
-        ended[h] = before.group[h];
-        if (h < junction.group_count) {
-            ended[h] = elmopp_plan_end(&junction.group[h], before.group[h], has(kept, h));
-        }
+    plan.junction = &site;
+    ASSUME((plan.target == ELMOPP_STAGE_NONE) || (plan.target < site.stage_count));
+    own = nondet_u8();
+    ASSUME(own < site.group_count);
+    before_g = plan.group[own];
+    kept = (plan.target == ELMOPP_STAGE_NONE) ? 0U : site.stage_groups[plan.target];
+    waiting = nondet_u16();
+    for (uint32_t i = 0U; i < 3U; i++) {
+        calls[i] = 0U;
+        made[i] = anything();
     }
-    const elmopp_plan_group_t right = elmopp_plan_older(elmopp_plan_start(&junction, ended, g, has(kept, g)), false);
-    CLAIM((plan.group[g].aspect == right.aspect) && (plan.group[g].age_ds == right.age_ds) &&
-              (plan.group[g].since_green_ds == right.since_green_ds) &&
-              (plan.group[g].contested_ds == right.contested_ds),
-          "a group moves by its three functions");
 
-    const elmopp_lamps_t shown = lamps_shown(plan.group, junction.group_count);
-    CLAIM((has(lamps.red, g) == has(shown.red, g)) && (has(lamps.amber, g) == has(shown.amber, g)) &&
-              (has(lamps.green, g) == has(shown.green, g)) && (!has(lamps.flash, g)),
+    move_groups(&plan, waiting);
+    CLAIM(calls[2] == site.group_count, "every group is moved");
+    CLAIM(is_same(plan.group[own], made[2]), "a group is what its functions made of it");
+
+    const elmopp_lamps_t lamps = lamps_of(&plan);
+    const elmopp_lamps_t shown = lamps_shown(plan.group, site.group_count);
+    CLAIM((has(lamps.red, own) == has(shown.red, own)) && (has(lamps.amber, own) == has(shown.amber, own)) &&
+              (has(lamps.green, own) == has(shown.green, own)) && (!has(lamps.flash, own)),
           "the lamps are those of the groups");
     REACHABLE();
 }

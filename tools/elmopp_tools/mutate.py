@@ -96,7 +96,7 @@ def judge(mutants: Sequence[Mutant]) -> int:
     explained: dict[str, str] = json.loads(SURVIVORS.read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory() as folder:
         workshop = Workshop(Path(folder))
-        workshop.prepare(rooms)
+        workshop.prepare({room: JUDGES[room] for room in rooms})
         with ThreadPoolExecutor(JOBS) as pool:
             results = list(pool.map(workshop.trial, mutants))
     report(results, time.monotonic() - started)
@@ -135,16 +135,18 @@ class Workshop:
         self.commands = compile_commands()
         self.originals: dict[str, str] = {}
 
-    def prepare(self, rooms: set[str]) -> None:
+    def prepare(self, judges: dict[str, tuple[str, ...]]) -> None:
         """Compiles the core, its test support and the judges, and runs each judge once with the true room."""
         sources = [file for file in self.commands if _is_shared(file)]
-        sources += [ROOT / "tests" / f"{name}.c" for name in sorted({j for room in rooms for j in JUDGES[room]})]
+        sources += [
+            ROOT / "tests" / f"{name}.c" for name in sorted({name for names in judges.values() for name in names})
+        ]
         with ThreadPoolExecutor(JOBS) as pool:
             list(pool.map(self._compile_shared, sources))
-        for room in rooms:
+        for room, names in judges.items():
             true = self.folder / "core" / f"{room}.o"
             self.originals[room] = _digest(true)
-            for name in JUDGES[room]:
+            for name in names:
                 if not self._passes(name, room, true):
                     raise MutateError(f"{name} fails on the unchanged {room}.c ; right would be a test that passes")
 
@@ -176,12 +178,9 @@ class Workshop:
         return subprocess.run(command, capture_output=True, check=False).returncode
 
     def trial(self, mutant: Mutant) -> Result:
-        """Compiles a mutant and lets its judges look at it."""
-        folder = Path(tempfile.mkdtemp(dir=self.folder))
-        text = folder / f"{mutant.room}.c"
-        text.write_text(mutant.text, encoding="utf-8")
-        made = folder / "mutant.o"
-        if self.compile(ROOT / "firmware" / "src" / text.name, text, made) != 0:
+        """Compiles a mutant and lets its judges look at it until one fails."""
+        made = self._compile_mutant(mutant)
+        if made is None:
             return Result(mutant, "invalid")
         if _digest(made) == self.originals[mutant.room]:
             return Result(mutant, "equal")
@@ -189,6 +188,21 @@ class Workshop:
             if not self._passes(name, mutant.room, made):
                 return Result(mutant, name)
         return Result(mutant, "survived")
+
+    def failing(self, mutant: Mutant, names: Sequence[str]) -> list[str]:
+        """All of these tests that fail with the mutant."""
+        made = self._compile_mutant(mutant)
+        if made is None:
+            raise MutateError(f"{mutant.key}: the bug does not compile")
+        return [name for name in names if not self._passes(name, mutant.room, made)]
+
+    def _compile_mutant(self, mutant: Mutant) -> Path | None:
+        folder = Path(tempfile.mkdtemp(dir=self.folder))
+        text = folder / f"{mutant.room}.c"
+        text.write_text(mutant.text, encoding="utf-8")
+        made = folder / "mutant.o"
+        compiled = self.compile(ROOT / "firmware" / "src" / text.name, text, made) == 0
+        return made if compiled else None
 
     def _passes(self, name: str, room: str, made: Path) -> bool:
         program = made.with_name(f"{name}_{room}")

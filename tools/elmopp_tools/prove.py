@@ -3,9 +3,10 @@
 
 """The command behind tools/prove: hands the harnesses of tests/proof to the model checker CBMC.
 
-tests/proof/proofs.json says of each claim the largest loop bound, the sources that it may use, and one planted bug
-(file, text, replacement) that must refute it. With --planted the bug is put into a copy of the sources; the end of the
-harness must be reachable, too, or the proof would say nothing.
+tests/proof/proofs.json says of each claim the largest loop bound ("loops" those that differ), the sources that it may
+use, and one planted bug (file, text, replacement) that must refute it. "replace" puts functions of the harness in the
+place of the core's; "parts" says how many proofs a claim is made of, each with its own PART. With --planted the bug is
+put into a copy of the sources; the end of the harness must be reachable, too, or the proof would say nothing.
 """
 
 import argparse
@@ -25,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROOFS = ROOT / "tests" / "proof"
 CBMC = ROOT / "build" / "cbmc" / "bin" / "cbmc"
 EXIT_SKIPPED = 77
-LIMIT_S = 600
+LIMIT_S = 600  # each step of each part
 VERDICTS = {0: "proved", 10: "refuted"}
 
 DESCRIPTION = "Proves the claims of tests/proof, all or those named, and prints one line for each."
@@ -68,7 +69,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def planted(name: str, proof: dict[str, Any]) -> bool:
     """Both ways in which a proof must fail."""
-    file, text, bug = proof["planted"]
+    found = refutes(name, proof, *proof["planted"])
+    return judge(name, proof, ROOT / "firmware" / "src", "refuted", ["-DVACUITY"]) and found
+
+
+def refutes(name: str, proof: dict[str, Any], file: str, text: str, bug: str) -> bool:
+    """Whether the proof finds a bug put into a copy of the sources."""
     with tempfile.TemporaryDirectory() as folder:
         sources = Path(folder) / "src"
         shutil.copytree(ROOT / "firmware" / "src", sources)
@@ -77,25 +83,56 @@ def planted(name: str, proof: dict[str, Any]) -> bool:
             say("prove", f"{name}: the planted bug's text is {code.count(text)} times in {file} ; right would be once")
             return False
         (sources / file).write_text(code.replace(text, bug), encoding="utf-8")
-        found = judge(name, proof, sources, "refuted", [])
-    return judge(name, proof, ROOT / "firmware" / "src", "refuted", ["-DVACUITY"]) and found
+        return judge(name, proof, sources, "refuted", [])
 
 
 def judge(name: str, proof: dict[str, Any], sources: Path, wanted: str, options: list[str]) -> bool:
-    """Runs CBMC and says in a line what came of it."""
-    command = [str(CBMC), "--function", "harness", "--unwind", str(proof["bound"] + 1), "--conversion-check"]
-    command += ["--drop-unused-functions", "--verbosity", "4", "-I", str(ROOT / "firmware" / "include"), *options]
-    command += [str(PROOFS / f"prove_{name}.c"), *(str(sources / f"{room}.c") for room in proof["sources"])]
+    """Runs CBMC, once for each part, and says in a line what came of it."""
     started = time.monotonic()
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=LIMIT_S)
-        said = VERDICTS.get(done.returncode, f"error {done.returncode}")
-    except subprocess.TimeoutExpired:
-        done, said = None, "time-out"
+    verdicts = []
+    complaints = []
+    with tempfile.TemporaryDirectory() as folder:
+        for part in range(proof.get("parts", 1)):
+            verdict, complaint = run_part(name, proof, sources, [f"-DPART={part}", *options], Path(folder))
+            verdicts.append(verdict)
+            complaints += complaint
+            if verdict != "proved" and not options:
+                break
     seconds = time.monotonic() - started
+    # One part is enough to find a bug; the end of every part must be reachable.
+    said = max(verdicts, key=verdicts.count) if options else verdicts[-1]
+    if options and len(set(verdicts)) > 1:
+        said = "mixed"
     kind = "vacuity" if options else ("planted" if wanted == "refuted" else "claim")
     print(f"{said:<8} {name:<36} {kind:<8} {seconds:6.1f} s", flush=True)
-    if said != wanted and done is not None:
-        failures = [line for line in done.stdout.splitlines() if "FAILURE" in line]
-        print("\n".join(failures) or done.stderr, file=sys.stderr)
+    if said != wanted:
+        print("\n".join(complaints), file=sys.stderr)
     return said == wanted
+
+
+def run_part(
+    name: str, proof: dict[str, Any], sources: Path, options: list[str], folder: Path
+) -> tuple[str, list[str]]:
+    """The verdict on one part, and what was said against it."""
+    checks = ["--unwind", str(proof["bound"] + 1), "--conversion-check", "--drop-unused-functions", "--verbosity", "4"]
+    if "loops" in proof:
+        checks += ["--unwindset", ",".join(f"{loop}:{bound + 1}" for loop, bound in proof["loops"].items())]
+    texts = [str(PROOFS / f"prove_{name}.c"), *(str(sources / f"{room}.c") for room in proof["sources"])]
+    includes = ["-I", str(ROOT / "firmware" / "include"), "-I", str(sources)]
+    replaced = [word for pair in proof.get("replace", {}).items() for word in ("--replace-calls", ":".join(pair))]
+    program, changed = str(folder / "harness.gb"), str(folder / "replaced.gb")
+    steps = [
+        [str(CBMC.with_name("goto-cc")), "--function", "harness", *includes, *options, *texts, "-o", program],
+        [str(CBMC.with_name("goto-instrument")), *replaced, program, changed],
+        [str(CBMC), *checks, changed],
+    ]
+    try:
+        for step in steps:
+            done = subprocess.run(step, capture_output=True, text=True, check=False, timeout=LIMIT_S)
+            if done.returncode != 0:
+                break
+    except subprocess.TimeoutExpired:
+        return "time-out", []
+    said = VERDICTS.get(done.returncode, f"error {done.returncode}")
+    failures = [line for line in done.stdout.splitlines() if "FAILURE" in line]
+    return said, failures or done.stderr.splitlines()
