@@ -153,7 +153,8 @@ elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, 
     const uint32_t intergreen_ds = junction->intergreen_ds[ending][starting];
     const uint32_t lamps_ds = (uint32_t)junction->group[ending].amber_ds + junction->group[starting].red_amber_ds;
     const bool apart = (intergreen_ds >= lamps_ds) && (intergreen_ds <= ELMOPP_SITE_TIME_MAX_DS);
-    const bool good = conflict ? apart : (intergreen_ds == 0U);
+    const bool none = intergreen_ds == 0U;
+    const bool good = conflict ? apart : none;
     return verdict_of(good, ELMOPP_SITE_INTERGREEN, ending, starting);
 }
 
@@ -347,14 +348,16 @@ elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
     return verdict;
 }
 
+#define IMAGE_VERDICTS 5U /* elmopp_image_verdict_t */
+
 static elmopp_site_verdict_t check_envelope(const uint8_t *image, uint32_t length) {
     static const elmopp_image_kind_t kind = {
         {0x45U, 0x4CU, 0x4DU, 0x53U}, ELMOPP_SITE_IMAGE_VERSION_NOW, (uint32_t)sizeof(elmopp_junction_t)}; /* "ELMS" */
-    static const elmopp_site_fault_t named[] = {[ELMOPP_IMAGE_OK] = ELMOPP_SITE_OK,
-                                                [ELMOPP_IMAGE_MAGIC] = ELMOPP_SITE_IMAGE_MAGIC,
-                                                [ELMOPP_IMAGE_VERSION] = ELMOPP_SITE_IMAGE_VERSION,
-                                                [ELMOPP_IMAGE_LENGTH] = ELMOPP_SITE_IMAGE_LENGTH,
-                                                [ELMOPP_IMAGE_CRC] = ELMOPP_SITE_IMAGE_CRC};
+    static const elmopp_site_fault_t named[IMAGE_VERDICTS] = {[ELMOPP_IMAGE_OK] = ELMOPP_SITE_OK,
+                                                              [ELMOPP_IMAGE_MAGIC] = ELMOPP_SITE_IMAGE_MAGIC,
+                                                              [ELMOPP_IMAGE_VERSION] = ELMOPP_SITE_IMAGE_VERSION,
+                                                              [ELMOPP_IMAGE_LENGTH] = ELMOPP_SITE_IMAGE_LENGTH,
+                                                              [ELMOPP_IMAGE_CRC] = ELMOPP_SITE_IMAGE_CRC};
     return fault(named[elmopp_image_check(&kind, image, length)], 0U, 0U);
 }
 
