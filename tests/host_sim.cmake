@@ -49,6 +49,6 @@ elmopp_add_python_test(NAME claims_golden_is_up_to_date
     COMMAND tests/golden/make_claims.py --check
     LABELS golden sim)
 
-if(EXISTS "${PROJECT_SOURCE_DIR}/tests/python/test_plot.py")
+if(depends_on_no_build)
     elmopp_add_python_test(NAME test_plot COMMAND -m pytest -q tests/python/test_plot.py LABELS unit)
 endif()

@@ -164,6 +164,34 @@ static void test_served_reaches_the_last_movement_and_none_beyond_the_count(void
     TEST_ASSERT_EQUAL_HEX32(0x7FFFFFU, elmopp_junction_served(&junction, 3U));
 }
 
+/* Every time of a change is in it, whichever group or pair has it: one after the other is made the longest by far. */
+static void test_a_change_holds_every_time_of_every_group_and_pair(void) {
+    const uint16_t long_ds = 900U;
+    for (uint32_t g = 0U; g < 4U; g++) {
+        elmopp_junction_t junction = test_cross(4U);
+        const uint32_t others_ds = CROSS_MIN_GREEN_DS + CROSS_INTERGREEN_DS + 2U;
+        TEST_ASSERT_EQUAL_UINT32(others_ds, elmopp_junction_change_ds(&junction));
+        junction.group[g].min_green_ds = long_ds;
+        TEST_ASSERT_EQUAL_UINT32(long_ds + CROSS_INTERGREEN_DS + 2U, elmopp_junction_change_ds(&junction));
+        junction = test_cross(4U);
+        junction.group[g].amber_ds = long_ds;
+        TEST_ASSERT_EQUAL_UINT32(CROSS_MIN_GREEN_DS + long_ds + CROSS_RED_AMBER_DS + 2U,
+                                 elmopp_junction_change_ds(&junction));
+        for (uint32_t h = 0U; h < 4U; h++) {
+            junction = test_cross(4U);
+            junction.intergreen_ds[g][h] = long_ds;
+            TEST_ASSERT_EQUAL_UINT32(CROSS_MIN_GREEN_DS + long_ds + 2U, elmopp_junction_change_ds(&junction));
+        }
+    }
+}
+
+/* It conflicts with nobody, so that no intergreen holds its red-amber. */
+static void test_a_change_holds_the_red_amber_of_a_group_without_conflicts(void) {
+    elmopp_junction_t junction = test_cross(1U);
+    junction.group[0].red_amber_ds = 700U;
+    TEST_ASSERT_EQUAL_UINT32(CROSS_MIN_GREEN_DS + CROSS_AMBER_DS + 700U + 2U, elmopp_junction_change_ds(&junction));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_load_is_the_papers_hadamard_quotient);
@@ -179,5 +207,7 @@ int main(void) {
     RUN_TEST(test_a_movement_goes_when_all_of_its_groups_are_green);
     RUN_TEST(test_served_is_the_mask_of_the_movements_that_go);
     RUN_TEST(test_served_reaches_the_last_movement_and_none_beyond_the_count);
+    RUN_TEST(test_a_change_holds_every_time_of_every_group_and_pair);
+    RUN_TEST(test_a_change_holds_the_red_amber_of_a_group_without_conflicts);
     return UNITY_END();
 }

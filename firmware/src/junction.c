@@ -60,15 +60,23 @@ static uint32_t longer(uint32_t one, uint32_t other) {
     return (one > other) ? one : other;
 }
 
+/* How long it may take until a group is off and others may start after it. Its own red-amber counts: a group that
+   conflicts with nobody has no intergreen that holds it. */
+static uint32_t clearance_ds(const elmopp_junction_t *junction, uint32_t group) {
+    const elmopp_group_t *times = &junction->group[group];
+    uint32_t longest_ds = (uint32_t)times->amber_ds + times->red_amber_ds;
+    for (uint32_t h = 0U; h < junction->group_count; h++) {
+        longest_ds = longer(longest_ds, junction->intergreen_ds[group][h]);
+    }
+    return longest_ds;
+}
+
 uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction) {
     uint32_t green_ds = 0U;
-    uint32_t clearance_ds = 0U;
+    uint32_t clear_ds = 0U;
     for (uint32_t g = 0U; g < junction->group_count; g++) {
         green_ds = longer(green_ds, junction->group[g].min_green_ds);
-        clearance_ds = longer(clearance_ds, junction->group[g].amber_ds);
-        for (uint32_t h = 0U; h < junction->group_count; h++) {
-            clearance_ds = longer(clearance_ds, junction->intergreen_ds[g][h]);
-        }
+        clear_ds = longer(clear_ds, clearance_ds(junction, g));
     }
-    return green_ds + clearance_ds + CHANGE_TICKS;
+    return green_ds + clear_ds + CHANGE_TICKS;
 }

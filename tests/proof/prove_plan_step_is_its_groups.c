@@ -4,7 +4,7 @@
 /// One tick of the plan moves every group by its three pure functions, each called once, on the state before the tick
 /// and on one snapshot of all ends, with the target's and the waiting groups' own bits; and its lamps are those of the
 /// groups. The loops add nothing. The three functions are replaced by others that look at what they are given and
-/// answer anything. Which stage the target is: prove_plan_aims_at_a_stage.
+/// answer anything.
 
 #include "plan.c"
 

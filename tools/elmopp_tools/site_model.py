@@ -153,7 +153,8 @@ class Junction:
 
     def change_ds(self) -> int:
         """Longest time from the moment a stage may be left until any other is shown."""
-        clearances = [time_ds for row in self.intergreen_ds for time_ds in row] + [g.amber_ds for g in self.groups]
+        own = [group.amber_ds + group.red_amber_ds for group in self.groups]
+        clearances = [time_ds for row in self.intergreen_ds for time_ds in row] + own
         return max(group.min_green_ds for group in self.groups) + max(clearances) + CHANGE_TICKS
 
     def red_bound_min_ds(self) -> int:
