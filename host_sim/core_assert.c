@@ -6,8 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* host_sim's port of the core's assert: a bug ends the process at once, with its place. */
+/* The core's assert on a computer: a bug ends the process at once, with its place. */
 void elmopp_assert_failed(const char *file, int line) {
-    (void)fprintf(stderr, "host_sim: a promise of the core is broken at %s:%d; this is a bug\n", file, line);
+    (void)fprintf(stderr, "elmopp: a promise of the core is broken at %s:%d; this is a bug\n", file, line);
     abort();
 }

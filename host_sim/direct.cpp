@@ -38,20 +38,9 @@ class Direct final : public Control {
         return elmopp_pilot_lamp_tick(&pilot_, pilot_.wanted);
     }
 
-    [[nodiscard]] const elmopp_pilot_t &pilot() const override {
-        return pilot_;
-    }
-    [[nodiscard]] const float *present_veh() const override {
-        return present_veh_.data();
-    }
-    [[nodiscard]] const float *arrived_veh() const override {
-        return arrived_veh_.data();
-    }
-    [[nodiscard]] elmopp_mode_t mode() const override {
-        return ELMOPP_MODE_COUNT;
-    }
-    [[nodiscard]] elmopp_fault_t fault() const override {
-        return ELMOPP_FAULT_NONE;
+    [[nodiscard]] Told told() const override {
+        return {pilot_.plan.stage,   ELMOPP_MODE_COUNT,   ELMOPP_FAULT_NONE, pilot_.foresight,
+                present_veh_.data(), arrived_veh_.data(), pilot_.score,      pilot_.foreseen_sum_veh};
     }
 
   private:

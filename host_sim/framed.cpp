@@ -2,16 +2,27 @@
 // Copyright 2026 The ELMOPP authors
 
 #include "error.hpp"
+#include "jobs.hpp"
+#include "networks.hpp"
 #include "trial.hpp"
+
+extern "C" {
+#include "bus_clock.h"
+#include "elmopp_can.h"
+}
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
+#include <map>
+#include <utility>
 
 namespace elmopp {
 namespace {
 
 constexpr std::size_t self_test_and_cameras_s = 15; ///< what a start-up takes beyond the site's own times
+constexpr float forecast_unit_veh = 0.1F;           ///< of the DBC
 constexpr double most_present_veh = ELMOPP_DETECTOR_UNKNOWN - 1U;
 
 /// Everything on the bus that is not the controller: cameras that count without mistakes, lamp nodes that do as told.
@@ -35,11 +46,11 @@ class Street {
     }
 
     /// What the lamps show, as every node reports it.
-    std::vector<elmopp_frame_t> feedback(const elmopp_lamps_t &lamps) {
+    std::vector<elmopp_frame_t> feedback(const elmopp_lamps_t &lamps, const Link &link) {
         std::vector<elmopp_frame_t> frames;
         for (std::uint32_t n = 0; n < ELMOPP_NODE_MAX; ++n) {
             const std::uint16_t groups = groups_of(n);
-            if (groups != 0) {
+            if (groups != 0 && !link.has_node(n)) {
                 frames.push_back(feedback_of(n, groups, lamps));
                 elmopp_link_seal(&frames.back(), &node_counter_[n]);
             }
@@ -82,53 +93,130 @@ class Street {
     std::array<std::uint8_t, ELMOPP_NODE_MAX> node_counter_{};
 };
 
+/// What the frames say of the controller, for the log.
+class Heard {
+  public:
+    /// Counts as the cameras sent them: where no DecisionTrace comes, the best that is known.
+    void sent(std::size_t movement, double present_veh, double arrived_veh) {
+        present_veh_.at(movement) = static_cast<float>(present_veh);
+        arrived_veh_.at(movement) = static_cast<float>(arrived_veh);
+    }
+
+    void hear(const elmopp_frame_t &frame) {
+        const unsigned approach = frame.id - ELMOPP_CAN_FORECAST_FRAME_ID;
+        if (elmopp_frames_lamps(&frame, &lamps_)) {
+            return;
+        }
+        if (frame.id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID) {
+            hear_status(frame);
+        } else if (approach < ELMOPP_APPROACH_MAX) {
+            hear_forecast(frame, approach);
+        } else if (frame.id == ELMOPP_CAN_DECISION_TRACE_FRAME_ID) {
+            hear_trace(elmopp_bus_clock_read(&frame));
+        }
+    }
+
+    [[nodiscard]] const elmopp_lamps_t &lamps() const {
+        return lamps_;
+    }
+
+    [[nodiscard]] Told told() const {
+        return {stage_,
+                mode_,
+                fault_,
+                foresight_,
+                present_veh_.data(),
+                arrived_veh_.data(),
+                score_.data(),
+                foreseen_veh_.data()};
+    }
+
+  private:
+    void hear_status(const elmopp_frame_t &frame) {
+        elmopp_can_controller_status_t status{};
+        (void)elmopp_can_controller_status_unpack(&status, std::begin(frame.data), ELMOPP_LINK_BYTES);
+        stage_ = status.stage < ELMOPP_STAGE_MAX ? status.stage : static_cast<elmopp_stage_t>(ELMOPP_STAGE_NONE);
+        mode_ = static_cast<elmopp_mode_t>(status.mode);
+        fault_ = static_cast<elmopp_fault_t>(status.first_fault);
+    }
+
+    void hear_forecast(const elmopp_frame_t &frame, unsigned approach) {
+        elmopp_can_forecast_t forecast{};
+        (void)elmopp_can_forecast_unpack(&forecast, std::begin(frame.data), ELMOPP_LINK_BYTES);
+        foreseen_veh_.at(approach) = static_cast<float>(forecast.next60) * forecast_unit_veh;
+        static const std::map<unsigned, elmopp_foresight_t> others{
+            {ELMOPP_MODEL_GIVEN, ELMOPP_FORESIGHT_GIVEN},
+            {ELMOPP_MODEL_COLD, ELMOPP_FORESIGHT_COLD},
+            {ELMOPP_MODEL_UNARMED, ELMOPP_FORESIGHT_UNARMED},
+            {ELMOPP_MODEL_DISTRUSTED, ELMOPP_FORESIGHT_DISTRUSTED}};
+        const auto found = others.find(forecast.model);
+        foresight_ = found == others.end() ? ELMOPP_FORESIGHT_OWN : found->second;
+    }
+
+    /// DecisionTrace is more exact than Forecast and comes after it.
+    void hear_trace(const elmopp_trace_t &trace) {
+        const auto keep = [&trace](auto &values) {
+            if (trace.index < values.size()) {
+                values[trace.index] = trace.value;
+            }
+        };
+        switch (trace.kind) {
+        case ELMOPP_TRACE_SCORE:
+            return keep(score_);
+        case ELMOPP_TRACE_FORECAST:
+            return keep(foreseen_veh_);
+        case ELMOPP_TRACE_PRESENT:
+            return keep(present_veh_);
+        case ELMOPP_TRACE_ARRIVED:
+            return keep(arrived_veh_);
+        default:
+            return;
+        }
+    }
+
+    elmopp_lamps_t lamps_{};
+    elmopp_stage_t stage_ = ELMOPP_STAGE_NONE;
+    elmopp_mode_t mode_ = ELMOPP_MODE_STARTING;
+    elmopp_fault_t fault_ = ELMOPP_FAULT_NONE;
+    elmopp_foresight_t foresight_ = ELMOPP_FORESIGHT_OWN;
+    std::array<float, ELMOPP_MOVEMENT_MAX> present_veh_{};
+    std::array<float, ELMOPP_MOVEMENT_MAX> arrived_veh_{};
+    std::array<float, ELMOPP_STAGE_MAX> score_{};
+    std::array<float, ELMOPP_APPROACH_MAX> foreseen_veh_{};
+};
+
 class Framed final : public Control {
   public:
-    Framed(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
-        : plugged_(make_chooser(spec, scenario)), street_(scenario.junction) {
-        const elmopp_controller_config_t config{&scenario.junction, plugged_->chooser, forecast_of(spec, demand)};
-        elmopp_controller_init(&controller_, &config);
+    Framed(const Scenario &scenario, const Demand &demand, std::unique_ptr<Link> link)
+        : link_(std::move(link)), street_(scenario.junction) {
         start(scenario, demand);
     }
 
     void count(const Traffic &traffic, std::size_t /*t_s*/) override {
-        offer(street_.counts(traffic.queue_veh(), traffic.arrived_veh()));
+        count(traffic.queue_veh(), traffic.arrived_veh());
     }
 
     elmopp_lamps_t lamp_tick() override {
-        offer(street_.feedback(lamps_));
-        std::array<elmopp_frame_t, ELMOPP_FRAMES_PER_TICK> out{};
-        now_ms_ += ELMOPP_CONTROLLER_TICK_MS;
-        const std::uint32_t count = elmopp_controller_tick(&controller_, now_ms_, out.data());
-        for (std::uint32_t k = 0; k < count; ++k) {
-            // The lamps are those of the bus, not those that the controller remembers.
-            elmopp_frames_lamps(&out.at(k), &lamps_);
+        for (const auto &frame : street_.feedback(heard_.lamps(), *link_)) {
+            pending_.push_back(frame);
         }
-        return lamps_;
+        now_ms_ += ELMOPP_CONTROLLER_TICK_MS;
+        for (const auto &frame : link_->tick(pending_, now_ms_)) {
+            heard_.hear(frame);
+        }
+        pending_.clear();
+        return heard_.lamps();
     }
 
-    [[nodiscard]] const elmopp_pilot_t &pilot() const override {
-        return controller_.pilot;
-    }
-    [[nodiscard]] const float *present_veh() const override {
-        return controller_.present_veh;
-    }
-    [[nodiscard]] const float *arrived_veh() const override {
-        return controller_.arrived_veh;
-    }
-    [[nodiscard]] elmopp_mode_t mode() const override {
-        return controller_.mode;
-    }
-    [[nodiscard]] elmopp_fault_t fault() const override {
-        return controller_.fault;
+    [[nodiscard]] Told told() const override {
+        return heard_.told();
     }
 
   private:
-    void offer(const std::vector<elmopp_frame_t> &frames) {
-        for (const auto &frame : frames) {
-            if (!elmopp_controller_take(&controller_, &frame)) {
-                throw Failure("the controller refused a frame of the simulator's");
-            }
+    void count(const std::vector<double> &present_veh, const std::vector<double> &arrived_veh) {
+        pending_ = street_.counts(present_veh, arrived_veh);
+        for (std::size_t j = 0; j < present_veh.size(); ++j) {
+            heard_.sent(j, present_veh[j], arrived_veh[j]);
         }
     }
 
@@ -137,40 +225,86 @@ class Framed final : public Control {
         const elmopp_junction_t &junction = scenario.junction;
         const std::size_t own_ds =
             junction.start_flash_ds + junction.start_red_ds + elmopp_junction_change_ds(&junction);
-        const std::size_t before_s = self_test_and_cameras_s + own_ds / ELMOPP_LAMP_TICKS_PER_S + 1;
-        Arrivals arrivals(scenario, demand);
-        arrivals.absorb_known(controller_.pilot, before_s);
+        const std::size_t start_s = self_test_and_cameras_s + own_ds / ELMOPP_LAMP_TICKS_PER_S + 1;
         const std::vector<double> nobody(junction.movement_count);
-        for (std::size_t t = before_s; t > 0; --t) {
+        Arrivals arrivals(scenario, demand);
+        for (std::size_t t = std::max(start_s, link_->history_s()); t > 0; --t) {
             std::vector<double> arrived = nobody;
             if (demand.origin >= t) {
                 std::copy_n(arrivals.at(demand.origin - t), arrived.size(), arrived.begin());
             }
-            offer(street_.counts(nobody, arrived));
+            count(nobody, arrived);
             for (unsigned tick = 0; tick < ELMOPP_LAMP_TICKS_PER_S; ++tick) {
                 lamp_tick();
             }
+            check_interrupt();
         }
-        if (controller_.mode != ELMOPP_MODE_AUTOMATIC) {
+        if (told().mode != ELMOPP_MODE_AUTOMATIC) {
             throw Failure(std::string("the controller did not get to automatic mode; fault: ") +
-                          elmopp_fault_name(controller_.fault));
+                          elmopp_fault_name(told().fault));
         }
     }
 
-    std::unique_ptr<Plugged> plugged_;
+    std::unique_ptr<Link> link_;
     Street street_;
-    elmopp_controller_t controller_{};
-    elmopp_lamps_t lamps_{};
+    Heard heard_;
+    std::vector<elmopp_frame_t> pending_;
     elmopp_ms_t now_ms_ = 0;
+};
+
+/// The controller in this process.
+class InProcess final : public Link {
+  public:
+    InProcess(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
+        : plugged_(make_chooser(spec, scenario)), ar8_(scenario.junction.approach_count, shipped_weights("lstm")->ar8) {
+        elmopp_forecast_config_t forecast = forecast_of(spec, demand);
+        forecast.ar8 = ar8_.data();
+        forecast.mean_veh_per_s = nullptr;
+        const elmopp_controller_config_t config{&scenario.junction, plugged_->chooser, forecast};
+        elmopp_controller_init(&controller_, &config);
+    }
+
+    std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t now_ms) override {
+        for (const auto &frame : frames) {
+            if (!elmopp_controller_take(&controller_, &frame)) {
+                throw Failure("the controller refused a frame of the simulator's");
+            }
+        }
+        std::vector<elmopp_frame_t> out(ELMOPP_FRAMES_PER_TICK + ELMOPP_TRACE_MAX);
+        const std::uint32_t count = elmopp_controller_tick(&controller_, now_ms, out.data());
+        const bool decided = elmopp_bus_clock_decided(out.data(), count);
+        const std::uint32_t traced = decided ? elmopp_bus_clock_trace(&controller_, &trace_counter_, &out[count]) : 0U;
+        out.resize(count + traced);
+        return out;
+    }
+
+    [[nodiscard]] bool has_node(std::uint32_t /*node*/) const override {
+        return false;
+    }
+
+    [[nodiscard]] std::size_t history_s() const override {
+        return ELMOPP_FORECAST_MEAN_WINDOW_S;
+    }
+
+  private:
+    std::unique_ptr<Plugged> plugged_;
+    std::vector<elmopp_ar8_t> ar8_;
+    elmopp_controller_t controller_{};
+    std::uint8_t trace_counter_ = 0;
 };
 
 } // namespace
 
-std::unique_ptr<Control> make_framed(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand) {
+std::unique_ptr<Link> make_inproc(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand) {
+    return std::make_unique<InProcess>(scenario, spec, demand);
+}
+
+std::unique_ptr<Control> make_framed(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand,
+                                     std::unique_ptr<Link> link) {
     if (spec.forecast == "oracle") {
         throw BadRequest("--link with forecast oracle: no frame carries the future; right would be any other forecast");
     }
-    return std::make_unique<Framed>(scenario, spec, demand);
+    return std::make_unique<Framed>(scenario, demand, std::move(link));
 }
 
 } // namespace elmopp

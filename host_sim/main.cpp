@@ -123,6 +123,7 @@ struct Texts {
     std::string weights;
     std::string seconds;
     std::string link{"inproc"};
+    std::string clock{"bus"};
     std::string log;
     std::string summary;
     std::string points{"10000"};
@@ -202,6 +203,15 @@ void add_experiment(CLI::App &app, Texts &texts) {
     command->callback([command, &texts] { run_experiment(experiment_request(*command, texts)); });
 }
 
+/// "inproc" or "can:IFACE".
+std::string link_of(const std::string &text) {
+    const std::string bus = "can:";
+    if (text != "inproc" && (text.rfind(bus, 0) != 0 || text.size() == bus.size())) {
+        throw BadRequest("--link \"" + text + "\": right would be inproc or can:IFACE, such as can:vcan0");
+    }
+    return text;
+}
+
 RunRequest run_request(const CLI::App &command, const Texts &texts) {
     RunRequest request;
     const auto has = [&command](const char *option) { return command.count(option) > 0; };
@@ -226,7 +236,20 @@ RunRequest run_request(const CLI::App &command, const Texts &texts) {
     request.split = split_of(command, texts.split);
     request.mapping = mapping_of(texts.mapping);
     request.integrator = given(command, "--integrator", integrator_of(texts.integrator));
-    request.framed = has("--link") && one_of<bool>("--link", texts.link, {{"inproc", true}});
+    if (has("--link")) {
+        request.link = link_of(texts.link);
+    }
+    request.bus_clock = one_of<bool>("--clock", texts.clock, {{"bus", true}, {"real", false}});
+    const bool bus = request.link.rfind("can:", 0) == 0;
+    for (const auto *const option : {"--clock", "--weights"}) {
+        const bool fits = bus == (std::string(option) == "--clock");
+        if (has(option) && !fits) {
+            throw BadRequest(
+                std::string(option) + (bus ? " with" : " without") + " --link can:IFACE: " +
+                (bus ? "the controller on the bus has its own; right would be elmopp-controller " + std::string(option)
+                     : std::string("time is not a matter; right would be no ") + option));
+        }
+    }
     return request;
 }
 
@@ -254,8 +277,11 @@ void add_run(CLI::App &app, Texts &texts) {
         "log is there)");
     option(
         "--link", texts.link, "NAME",
-        "inproc: the whole controller through its frames, whole vehicles and start-up included (default: real-valued "
-        "vehicles, straight to forecast, chooser and plan)");
+        "inproc: the whole controller through its frames, whole vehicles and start-up included; can:IFACE: an "
+        "elmopp-controller on that interface (default: real-valued vehicles, straight to forecast, chooser and plan)");
+    option("--clock", texts.clock, "NAME",
+           "With can:IFACE: bus, the controller's lamp ticks are our SimTime frames; real, everybody by his own clock")
+        ->capture_default_str();
     option("--integrator", texts.integrator, "NAME", "rk4 or euler (default: the profile's)");
     add_traffic_options(command, texts);
     command->callback([command, &texts] { run_once(run_request(*command, texts)); });
@@ -331,7 +357,7 @@ nlohmann::ordered_json built() {
     nlohmann::ordered_json list{{"profiles", nlohmann::ordered_json::array()},
                                 {"choosers", nlohmann::ordered_json::array()},
                                 {"forecasts", forecast_names()},
-                                {"links", {"inproc"}}};
+                                {"links", {"inproc", "can"}}};
     for (const auto &profile : profiles()) {
         list["profiles"].push_back({{"name", profile.name}, {"what", profile.what}});
     }

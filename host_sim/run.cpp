@@ -4,6 +4,7 @@
 #include "run.hpp"
 
 #include "csv.hpp"
+#include "decision_log.hpp"
 #include "error.hpp"
 #include "networks.hpp"
 #include "results.hpp"
@@ -21,44 +22,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int log_digits = 9;
-constexpr std::size_t aspect_digits = ELMOPP_GROUP_MAX;
-
-template <typename Values> std::string list_of(const Values &values, std::size_t count) {
-    std::string text = "[";
-    for (std::size_t i = 0; i < count; ++i) {
-        text += (i == 0 ? "" : ",") + format_number(static_cast<double>(values[i]), log_digits);
-    }
-    return text + "]";
-}
-
-/// One digit a signal group, in the codes of LampCommand; groups that the site does not have show 0.
-std::string aspects_of(const Second &second) {
-    std::string text(aspect_digits, '0');
-    for (std::uint32_t g = 0; g < aspect_digits; ++g) {
-        text[g] = static_cast<char>('0' + elmopp_lamps_aspect(&second.lamps, g));
-    }
-    return text;
-}
-
-void write_line(std::ostream &out, const Second &second, bool full) {
-    const elmopp_pilot_t &pilot = second.control.pilot();
-    const elmopp_junction_t &junction = *pilot.junction;
+void write_line(std::ostream &out, const Second &second, const elmopp_junction_t &junction, bool full) {
+    const Told &told = second.told;
     const std::size_t movements = junction.movement_count;
-    out << "{\"t_s\":" << second.t_s << ",\"stage\":" << static_cast<unsigned>(second.stage) << ",\"aspects\":\""
-        << aspects_of(second) << "\",\"present\":" << list_of(second.control.present_veh(), movements)
-        << ",\"arrived\":" << list_of(second.control.arrived_veh(), movements)
-        << ",\"urgency\":" << list_of(pilot.score, junction.stage_count)
-        << ",\"forecast\":" << list_of(pilot.foreseen_sum_veh, junction.approach_count)
-        << ",\"fault\":" << static_cast<unsigned>(second.control.fault());
+    out << decision_line({second.t_s, told.stage, second.lamps, &junction, told.present_veh, told.arrived_veh,
+                          told.score, told.foreseen_veh, told.fault});
     if (full) {
         out << ",\"queue_veh\":" << list_of(second.traffic.queue_veh(), movements)
             << ",\"outside_veh\":" << list_of(second.traffic.outside_veh(), movements)
             << ",\"red_s\":" << list_of(second.red_s, movements)
             << ",\"out_veh\":" << list_of(second.traffic.left_veh(), movements);
     }
-    if (full && second.control.mode() != ELMOPP_MODE_COUNT) {
-        out << ",\"mode\":" << static_cast<unsigned>(second.control.mode());
+    if (full && told.mode != ELMOPP_MODE_COUNT) {
+        out << ",\"mode\":" << static_cast<unsigned>(told.mode);
     }
     out << "}\n";
 }
@@ -123,6 +99,29 @@ std::size_t checked_seconds(const RunRequest &request, std::size_t available) {
     return seconds;
 }
 
+/// The controller behind the link that was asked for.
+std::unique_ptr<Control> control_of(const RunRequest &request, const Scenario &scenario, const ChooserSpec &chooser,
+                                    const Demand &demand) {
+    if (request.link.empty()) {
+        return make_direct(scenario, chooser, demand);
+    }
+    if (request.link == "inproc") {
+        return make_framed(scenario, chooser, demand, make_inproc(scenario, chooser, demand));
+    }
+    const std::string interface = request.link.substr(request.link.find(':') + 1);
+    if (scenario.junction.simulation_only != 0) {
+        throw BadRequest("--link " + request.link + ": site " + scenario.junction.name +
+                         " is simulation_only and drives no lamps; right would be --site with another, such as "
+                         "sites/four_way.toml");
+    }
+    if (!(chooser == site_chooser(scenario.junction))) {
+        throw BadRequest("--chooser " + full_name(chooser.label(), chooser.forecast) + " with --link " + request.link +
+                         ": the controller on the bus runs what its site names; right would be none, or " +
+                         full_name(site_chooser(scenario.junction).label(), site_chooser(scenario.junction).forecast));
+    }
+    return make_framed(scenario, chooser, demand, make_can(interface, request.bus_clock));
+}
+
 } // namespace
 
 void run_once(const RunRequest &request) {
@@ -162,13 +161,12 @@ void run_once(const RunRequest &request) {
     WholeFile summary("--summary", request.summary.value_or(beside_log));
     FallBacks fallback;
     const Observer observer = [&](const Second &second) {
-        fallback.count(second.control.pilot().foresight);
+        fallback.count(second.told.foresight);
         if (log) {
-            write_line(log->out(), second, request.full);
+            write_line(log->out(), second, scenario.junction, request.full);
         }
     };
-    const auto control =
-        request.framed ? make_framed(scenario, chooser, demand) : make_direct(scenario, chooser, demand);
+    const auto control = control_of(request, scenario, chooser, demand);
     const Metrics metrics = run_trial(scenario, *control, demand, seconds, observer);
     summary.out() << summary_of(scenario, chooser, request, seconds, fallback, metrics).dump(1) << "\n";
     if (log) {

@@ -29,7 +29,8 @@ struct RunRequest {
     std::optional<std::filesystem::path> log;     ///< decision log, JSON lines; "-" for stdout
     bool full = false;                            ///< with queues, reds and departures
     std::optional<std::filesystem::path> summary; ///< metrics as JSON; stdout unless given
-    bool framed = false;                          ///< --link inproc: through the controller's frames
+    std::string link;                             ///< empty: the inner seam; inproc or can:IFACE: through frames
+    bool bus_clock = true;                        ///< over a bus: our time, or everybody's own
     std::vector<double> split;
     Mapping mapping = Mapping::abs;
     std::optional<Integrator> integrator;

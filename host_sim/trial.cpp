@@ -190,9 +190,10 @@ Metrics run_trial(const Scenario &scenario, Control &control, const Demand &dema
         signals.end_second(flowing, red_s);
         traffic.leave(flowing);
         traffic.check_conservation();
-        meter.second(traffic, red_s, control.pilot().plan.stage);
+        const Told told = control.told();
+        meter.second(traffic, red_s, told.stage);
         if (observer) {
-            observer({t, control.pilot().plan.stage, lamps, control, traffic, red_s});
+            observer({t, told, lamps, traffic, red_s});
         }
     }
     return meter.result(traffic, seconds);

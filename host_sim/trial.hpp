@@ -85,9 +85,8 @@ struct Metrics {
 /// One second, as a log sees it after the discharge.
 struct Second {
     std::size_t t_s;
-    elmopp_stage_t stage; ///< shown at the end of the second
+    const Told &told;
     const elmopp_lamps_t &lamps;
-    const Control &control;
     const Traffic &traffic;
     const std::vector<double> &red_s; ///< [movement]
 };

@@ -16,7 +16,6 @@
 #define WATCH_BYTES 64U /* a tick's share of the continuous checksums */
 #define EARLIEST_MS 50U /* between two ticks */
 #define WEIGHTS_ID_MASK 0x0FFFU
-#define FLASHES 3U
 #define FORESIGHTS 5U
 
 /* Time-outs are multiples of the DBC's cycle times. Feedback comes with every tick, is a tick old when it is looked at,
@@ -103,6 +102,15 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_c
 
 void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault) {
     raise_fault(self, fault, ELMOPP_FAULT_NO_GROUP);
+}
+
+void elmopp_controller_stop(elmopp_controller_t *self) {
+    self->wish = ELMOPP_WISH_ALL_RED;
+}
+
+bool elmopp_controller_has_stopped(const elmopp_controller_t *self) {
+    const elmopp_lamps_t *lamps = &self->lamps;
+    return ((lamps->green | lamps->amber) == 0U) || (!elmopp_mode_is_steady(self->mode));
 }
 
 void elmopp_controller_hold_reset(elmopp_controller_t *self, bool held) {
@@ -210,6 +218,15 @@ static bool take_command(elmopp_controller_t *self, const elmopp_frame_t *frame)
     return obey(self, request, argument);
 }
 
+/* The controller's own words from somebody else, whole and made for this bus. What counter they carry is no matter. */
+static bool is_second_controller(const elmopp_frame_t *frame) {
+    elmopp_link_t nobody;
+    elmopp_link_init(&nobody);
+    const bool own =
+        (frame->id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID) || (frame->id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID);
+    return own && (elmopp_link_take(&nobody, frame, frame->id, 0U) == ELMOPP_LINK_OK);
+}
+
 bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *frame) {
     const uint32_t approach = (uint32_t)frame->id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID;
     const uint32_t node = (uint32_t)frame->id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
@@ -227,6 +244,9 @@ bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *fra
         }
     } else if (frame->id == ELMOPP_CAN_COMMAND_FRAME_ID) {
         taken = is_believed(&self->bus.command, frame, COMMAND_TIMEOUT_DS) && take_command(self, frame);
+    } else if (is_second_controller(frame)) {
+        taken = true;
+        raise_fault(self, ELMOPP_FAULT_SECOND_CONTROLLER, ELMOPP_FAULT_NO_GROUP);
     } else {
         ours = false;
     }
@@ -298,6 +318,10 @@ static void every_second(elmopp_controller_t *self) {
 
 /* --- modes --- */
 
+static uint16_t all_groups(const elmopp_junction_t *junction) {
+    return (uint16_t)(((uint32_t)1U << junction->group_count) - 1U);
+}
+
 static uint16_t fresh_groups(const elmopp_controller_t *self) {
     uint16_t fresh = 0U;
     for (uint32_t g = 0U; g < self->junction->group_count; g++) {
@@ -311,11 +335,10 @@ static uint16_t fresh_groups(const elmopp_controller_t *self) {
 
 /* Every node reports, is well, and shows nothing but what flashes. */
 static bool lamps_read_back(const elmopp_controller_t *self) {
-    const uint32_t all = ((uint32_t)1U << self->junction->group_count) - 1U;
     const elmopp_lamps_t *shown = &self->bus.measured;
     const uint32_t strange = ((uint32_t)shown->red & ~(uint32_t)self->lamps.red) |
                              ((uint32_t)shown->amber & ~(uint32_t)self->lamps.amber) | shown->green;
-    return (fresh_groups(self) == all) && (self->bus.unwell_nodes == 0U) && (strange == 0U);
+    return (fresh_groups(self) == all_groups(self->junction)) && (self->bus.unwell_nodes == 0U) && (strange == 0U);
 }
 
 static uint32_t group_of_nodes(const elmopp_junction_t *junction, uint8_t nodes) {
@@ -408,25 +431,12 @@ static elmopp_stage_t wanted_stage(elmopp_controller_t *self) {
     return wanted;
 }
 
-static elmopp_lamps_t flashing(const elmopp_junction_t *junction) {
-    static const elmopp_aspect_t aspects[FLASHES] = {[ELMOPP_FLASH_AMBER] = ELMOPP_ASPECT_FLASH_AMBER,
-                                                     [ELMOPP_FLASH_RED] = ELMOPP_ASPECT_FLASH_RED,
-                                                     [ELMOPP_FLASH_DARK] = ELMOPP_ASPECT_DARK};
-    elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
-    for (uint32_t g = 0U; g < junction->group_count; g++) {
-        /* Data that have changed in memory are found soon, but not before they are read. */
-        const uint32_t flash = junction->group[g].flash;
-        elmopp_lamps_show(&lamps, g, (flash < FLASHES) ? aspects[flash] : ELMOPP_ASPECT_FLASH_AMBER);
-    }
-    return lamps;
-}
-
 static elmopp_lamps_t lamps_of_mode(elmopp_controller_t *self) {
     elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
     if (elmopp_mode_is_steady(self->mode)) {
         lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted_stage(self));
     } else if (self->mode != ELMOPP_MODE_DARK) {
-        lamps = flashing(self->junction);
+        lamps = elmopp_lamps_flashing(self->junction, all_groups(self->junction));
     } else {
         /* nothing burns */
     }
@@ -440,7 +450,7 @@ static elmopp_lamps_t judged(elmopp_controller_t *self, const elmopp_lamps_t *la
     if ((self->mode != ELMOPP_MODE_FAIL_SAFE) && (elmopp_monitor_check(&self->monitor, &input) != ELMOPP_FAULT_NONE)) {
         raise_fault(self, self->monitor.first, self->monitor.first_group);
         enter_mode(self, ELMOPP_MODE_FAIL_SAFE);
-        return flashing(self->junction);
+        return elmopp_lamps_flashing(self->junction, all_groups(self->junction));
     }
     return *lamps;
 }

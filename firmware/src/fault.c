@@ -26,6 +26,7 @@ const char *elmopp_fault_name(elmopp_fault_t fault) {
         [ELMOPP_FAULT_SITE_CHANGED] = "site data changed",
         [ELMOPP_FAULT_WEIGHTS_CHANGED] = "weights changed",
         [ELMOPP_FAULT_CLOCK] = "clock",
+        [ELMOPP_FAULT_SECOND_CONTROLLER] = "second controller",
         [ELMOPP_FAULT_MEMORY] = "memory test",
         [ELMOPP_FAULT_PROCESSOR] = "processor",
     };

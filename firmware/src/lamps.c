@@ -12,6 +12,8 @@ static const uint8_t lamps_of_aspect[ELMOPP_ASPECT_COUNT] = {
     [ELMOPP_ASPECT_FLASH_RED] = 9U,
 };
 
+#define FLASHES 3U
+
 static uint32_t has(uint16_t mask, uint32_t g) {
     return ((uint32_t)mask >> g) & 1U;
 }
@@ -44,4 +46,18 @@ elmopp_aspect_t elmopp_lamps_aspect(const elmopp_lamps_t *lamps, uint32_t g) {
 void elmopp_lamps_show(elmopp_lamps_t *lamps, uint32_t g, elmopp_aspect_t aspect) {
     const bool exists = (uint32_t)aspect < (uint32_t)ELMOPP_ASPECT_COUNT;
     elmopp_lamps_light(lamps, g, exists ? lamps_of_aspect[aspect] : 0U);
+}
+
+elmopp_lamps_t elmopp_lamps_flashing(const elmopp_junction_t *junction, uint16_t groups) {
+    static const elmopp_aspect_t aspects[FLASHES] = {[ELMOPP_FLASH_AMBER] = ELMOPP_ASPECT_FLASH_AMBER,
+                                                     [ELMOPP_FLASH_RED] = ELMOPP_ASPECT_FLASH_RED,
+                                                     [ELMOPP_FLASH_DARK] = ELMOPP_ASPECT_DARK};
+    elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
+    for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
+        if (has(groups, g) != 0U) {
+            const uint32_t flash = junction->group[g].flash;
+            elmopp_lamps_show(&lamps, g, (flash < FLASHES) ? aspects[flash] : ELMOPP_ASPECT_FLASH_AMBER);
+        }
+    }
+    return lamps;
 }

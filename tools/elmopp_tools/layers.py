@@ -29,9 +29,9 @@ ROOMS: dict[str, frozenset[str]] = {
     "elementary": frozenset(),
     "fault": frozenset(),
     "image": frozenset(),
-    "lamps": frozenset({"bounds"}),
     "mode": frozenset(),
     "junction": frozenset({"assert", "bounds"}),
+    "lamps": frozenset({"bounds", "junction"}),
     "chooser": frozenset({"bounds", "junction"}),
     # level 1: not each other
     "account": LEVEL_0,
@@ -51,6 +51,8 @@ ROOMS: dict[str, frozenset[str]] = {
     "pressure": LEVEL_0,
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link"},
+    # the other side of the bus, a device of its own
+    "lamp_node": LEVEL_0 | {"detector", "frames", "link"},
     # level 4: the inner seam
     "pilot": LEVEL_0 | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
     # level 5: the outer seam
@@ -71,6 +73,8 @@ ROOMS: dict[str, frozenset[str]] = {
         "weights",
     },
 }
+# level 6: a controller with everything that its site names
+ROOMS["station"] = ROOMS["controller"] | {"controller", "pressure", "urgency"}
 
 # The standard headers that need no library.
 SYSTEM_HEADERS = frozenset({"assert.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"})

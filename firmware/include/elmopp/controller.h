@@ -14,6 +14,9 @@
 /// Diagnosis goes on all the time: the site's data and the weights are summed up again and again, a piece a tick, and
 /// compared with what was checked at the start.
 ///
+/// Two controllers on one bus would fight over the lamps. Whoever hears the other's LampCommand or ControllerStatus
+/// goes to flashing, so that both do.
+///
 /// Time. A lamp tick is 100 ms. elmopp_controller_tick() may be called as often as one likes with a clock that only
 /// goes forward, in milliseconds, and may wrap: it does something when a tick is due. Ticks keep to a grid, at least 50
 /// ms apart, so that so many ticks never take less than so many tenths of a second but 50 ms. Ticks that could not be
@@ -119,6 +122,12 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_c
 
 /// The port's own findings: ELMOPP_FAULT_MEMORY, ELMOPP_FAULT_PROCESSOR.
 void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault);
+
+/// The port is about to stop: all red, from now on and as soon as the plan allows.
+void elmopp_controller_stop(elmopp_controller_t *self);
+
+/// True while nobody is on the move: all red, or flashing or dark anyway. The port may stop; the lamp nodes then flash.
+bool elmopp_controller_has_stopped(const elmopp_controller_t *self);
 
 /// The local reset input, a key switch: held or not.
 void elmopp_controller_hold_reset(elmopp_controller_t *self, bool held);

@@ -28,11 +28,12 @@ typedef enum {
     ELMOPP_FAULT_FEEDBACK_DIFFERS = 11, ///< the lamps show for too long what was not commanded
     ELMOPP_FAULT_FEEDBACK_LOST = 12,
     /* found by the controller */
-    ELMOPP_FAULT_LAMP_NODE = 16,       ///< a lamp node reports a broken lamp or flashes by itself
-    ELMOPP_FAULT_SELF_TEST = 17,       ///< the lamps did not all read back in time after the start
-    ELMOPP_FAULT_SITE_CHANGED = 18,    ///< the site's data are no longer what was checked at the start
-    ELMOPP_FAULT_WEIGHTS_CHANGED = 19, ///< the same of the network's weights
-    ELMOPP_FAULT_CLOCK = 20,           ///< a lamp tick came too late, or the clock jumped
+    ELMOPP_FAULT_LAMP_NODE = 16,         ///< a lamp node reports a broken lamp or flashes by itself
+    ELMOPP_FAULT_SELF_TEST = 17,         ///< the lamps did not all read back in time after the start
+    ELMOPP_FAULT_SITE_CHANGED = 18,      ///< the site's data are no longer what was checked at the start
+    ELMOPP_FAULT_WEIGHTS_CHANGED = 19,   ///< the same of the network's weights
+    ELMOPP_FAULT_CLOCK = 20,             ///< a lamp tick came too late, or the clock jumped
+    ELMOPP_FAULT_SECOND_CONTROLLER = 21, ///< somebody else commands lamps on this bus
     /* found by the port */
     ELMOPP_FAULT_MEMORY = 24,    ///< the memory test at the start
     ELMOPP_FAULT_PROCESSOR = 25, ///< a fault handler or an assert ended the last run

@@ -9,7 +9,7 @@
 #ifndef ELMOPP_LAMPS_H
 #define ELMOPP_LAMPS_H
 
-#include "elmopp/bounds.h"
+#include "elmopp/junction.h"
 
 #include <stdint.h>
 
@@ -44,5 +44,9 @@ elmopp_aspect_t elmopp_lamps_aspect(const elmopp_lamps_t *lamps, uint32_t g);
 
 /// Lets group g show an aspect. An aspect that does not exist is shown as dark.
 void elmopp_lamps_show(elmopp_lamps_t *lamps, uint32_t g, elmopp_aspect_t aspect);
+
+/// These groups flash, or are dark, as the site says; all others are dark. Data that have changed in memory, found soon
+/// but not before they are read here, flash amber.
+elmopp_lamps_t elmopp_lamps_flashing(const elmopp_junction_t *junction, uint16_t groups);
 
 #endif

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// elmopp-controller: the controller on a CAN bus of Linux. Turns arguments into a station and carries frames and time
+/// to it; it decides nothing about lamps.
+///
+/// SIGTERM, SIGINT: all red as soon as the plan allows, then the end; the lamp nodes flash. SIGUSR1: the local reset
+/// input is held, SIGUSR2: it is let go.
+
+#include "bus_log.hpp"
+#include "can_interface.hpp"
+#include "can_socket.hpp"
+#include "decision_log.hpp"
+#include "error.hpp"
+#include "networks.hpp"
+#include "sites.hpp"
+#include "wakeups.hpp"
+
+extern "C" {
+#include "bus_clock.h"
+#include "elmopp/station.h"
+#include "elmopp_can.h"
+#include "elmopp_weights.h"
+}
+
+#include <CLI/CLI.hpp>
+#include <systemd/sd-daemon.h>
+
+#include <sys/mman.h>
+
+#include <array>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+
+namespace elmopp {
+namespace {
+
+constexpr int exit_failed = 1;
+constexpr int exit_bad_request = 2;
+constexpr unsigned frames_between_looks = 64; ///< a flood does not keep the lamps waiting
+
+struct Request {
+    std::string can;
+    std::string site;
+    std::string weights;
+    std::string clock = "real";
+    std::string log;
+};
+
+void say(const std::string &text) {
+    std::cerr << "elmopp-controller: " + text + "\n";
+}
+
+/// What the controller listens to; the kernel drops the rest.
+std::vector<std::uint16_t> wanted_ids(const elmopp_junction_t &junction, bool bus_clock) {
+    std::vector<std::uint16_t> ids{ELMOPP_CAN_COMMAND_FRAME_ID, ELMOPP_CAN_LAMP_COMMAND_FRAME_ID,
+                                   ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID};
+    const auto add = [&ids](unsigned first, unsigned index) {
+        ids.push_back(static_cast<std::uint16_t>(first + index));
+    };
+    for (unsigned i = 0; i < junction.approach_count; ++i) {
+        if (elmopp_mask_has(junction.cameras, i)) {
+            add(ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID, i);
+        }
+    }
+    std::uint32_t nodes = 0;
+    for (unsigned g = 0; g < junction.group_count; ++g) {
+        nodes |= 1U << junction.group[g].node;
+    }
+    for (unsigned n = 0; n < ELMOPP_NODE_MAX; ++n) {
+        if (elmopp_mask_has(nodes, n)) {
+            add(ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID, n);
+        }
+    }
+    if (bus_clock) {
+        add(ELMOPP_CAN_SIM_TIME_FRAME_ID, 0);
+    }
+    return ids;
+}
+
+/// The decision log of a street: what host_sim writes of a run, one line a decision.
+class StreetLog {
+  public:
+    explicit StreetLog(const std::string &file) : wanted_(!file.empty()) {
+        if (wanted_) {
+            out_.open(file, std::ios::app);
+            if (!out_) {
+                throw BadRequest("--log " + file +
+                                 ": cannot be written; right would be a file in a folder that is there");
+            }
+        }
+    }
+
+    /// A full disk stops no lamps: it is said once.
+    void write(const elmopp_controller_t &controller) {
+        if (wanted_ && out_) {
+            out_ << decision_line(decision_of(controller, seconds_++)) << "}\n" << std::flush;
+            if (!out_) {
+                say("the log cannot be written any more");
+            }
+        }
+    }
+
+  private:
+    static Decision decision_of(const elmopp_controller_t &controller, std::size_t t_s) {
+        return {t_s,
+                controller.told.stage,
+                controller.lamps,
+                controller.junction,
+                controller.present_veh,
+                controller.arrived_veh,
+                controller.pilot.score,
+                controller.pilot.foreseen_sum_veh,
+                controller.fault};
+    }
+
+    bool wanted_;
+    std::ofstream out_;
+    std::size_t seconds_ = 0;
+};
+
+class Program {
+  public:
+    Program(const Request &request, const elmopp_junction_t &junction, const elmopp_weights_t *weights)
+        : bus_clock_(request.clock == "bus"), junction_(junction), weights_(weights), log_(request.log),
+          socket_(request.can, wanted_ids(junction, bus_clock_)),
+          wakeups_(bus_clock_ ? 0 : ELMOPP_CONTROLLER_TICK_MS, {SIGTERM, SIGINT, SIGUSR1, SIGUSR2}),
+          station_(std::make_unique<elmopp_station_t>()), reporter_("elmopp-controller", request.can) {
+        begin();
+    }
+
+    void run() {
+        while (!done_) {
+            wakeups_.wait(socket_.descriptor());
+            obey_signals();
+            take_frames();
+            if (const std::uint64_t due = wakeups_.ticks(); due > 0) {
+                missed_ += due - 1;
+                tick(monotonic_ms());
+            }
+        }
+        (void)sd_notify(0, "STOPPING=1");
+    }
+
+    [[nodiscard]] std::uint64_t missed() const {
+        return missed_;
+    }
+
+  private:
+    [[nodiscard]] elmopp_controller_t &controller() {
+        return station_->controller;
+    }
+
+    void begin() {
+        elmopp_station_init(station_.get(), &junction_, &elmopp_weights_lstm.ar8, weights_);
+        elmopp_link_init(&time_link_);
+        trace_counter_ = 0;
+        stopping_ = false;
+    }
+
+    void obey_signals() {
+        while (const auto signal = wakeups_.signal()) {
+            if (*signal == SIGUSR1 || *signal == SIGUSR2) {
+                elmopp_controller_hold_reset(&controller(), *signal == SIGUSR1);
+                say(*signal == SIGUSR1 ? "the local reset is held" : "the local reset is let go");
+            } else {
+                say("asked to stop: all red first");
+                stopping_ = true;
+                elmopp_controller_stop(&controller());
+                done_ = bus_clock_ || elmopp_controller_has_stopped(&controller());
+            }
+        }
+    }
+
+    void take_frames() {
+        for (unsigned k = 0; k < frames_between_looks; ++k) {
+            const auto frame = socket_.receive();
+            if (!frame) {
+                break;
+            }
+            if (bus_clock_ && frame->id == ELMOPP_CAN_SIM_TIME_FRAME_ID) {
+                take_time(*frame);
+            } else {
+                (void)elmopp_controller_take(&controller(), &*frame);
+            }
+        }
+    }
+
+    void take_time(const elmopp_frame_t &frame) {
+        const bool anew = elmopp_bus_clock_time(&frame) == 0;
+        elmopp_link_t link = time_link_;
+        if (anew) {
+            elmopp_link_init(&link);
+        }
+        if (elmopp_link_take(&link, &frame, ELMOPP_CAN_SIM_TIME_FRAME_ID, 0) != ELMOPP_LINK_OK) {
+            return;
+        }
+        if (anew) {
+            begin();
+        } else {
+            tick(elmopp_bus_clock_time(&frame));
+        }
+        time_link_ = link;
+    }
+
+    /// In lockstep nothing may be lost, and the LampCommand, first of a tick's frames, goes last: whoever waits for it has
+    /// then heard everything, the exact values after the rounded ones of Forecast.
+    void answer(const elmopp_frame_t *frames, std::uint32_t count, bool decided) {
+        std::array<elmopp_frame_t, ELMOPP_TRACE_MAX> trace{};
+        const std::uint32_t values =
+            decided ? elmopp_bus_clock_trace(&controller(), &trace_counter_, trace.data()) : 0U;
+        for (std::uint32_t k = 1; k < count; ++k) {
+            (void)socket_.send_surely(frames[k]);
+        }
+        for (std::uint32_t k = 0; k < values; ++k) {
+            (void)socket_.send_surely(trace.at(k));
+        }
+        if (count > 0) {
+            (void)socket_.send_surely(frames[0]);
+        }
+    }
+
+    void tick(elmopp_ms_t now_ms) {
+        std::array<elmopp_frame_t, ELMOPP_FRAMES_PER_TICK> out{};
+        const std::uint32_t count = elmopp_controller_tick(&controller(), now_ms, out.data());
+        const bool decided = elmopp_bus_clock_decided(out.data(), count);
+        if (bus_clock_) {
+            answer(out.data(), count, decided);
+        } else {
+            for (std::uint32_t k = 0; k < count; ++k) {
+                (void)socket_.send(out.at(k));
+            }
+        }
+        if (decided) {
+            log_.write(controller());
+        }
+        if (count > 0) {
+            tell_service();
+        }
+        done_ = done_ || (stopping_ && elmopp_controller_has_stopped(&controller()));
+    }
+
+    void tell_service() {
+        reporter_.look(controller().mode, controller().fault, socket_.troubles());
+        (void)sd_notify(0, ready_ ? "WATCHDOG=1" : "READY=1\nWATCHDOG=1");
+        ready_ = true;
+        if (const std::string &status = reporter_.status(); status != told_) {
+            told_ = status;
+            (void)sd_notify(0, ("STATUS=" + status).c_str());
+        }
+    }
+
+    bool bus_clock_;
+    const elmopp_junction_t &junction_;
+    const elmopp_weights_t *weights_;
+    StreetLog log_;
+    CanSocket socket_;
+    Wakeups wakeups_;
+    std::unique_ptr<elmopp_station_t> station_;
+    BusLog reporter_;
+    elmopp_link_t time_link_{};
+    std::uint8_t trace_counter_ = 0;
+    std::uint64_t missed_ = 0;
+    std::string told_;
+    bool ready_ = false;
+    bool stopping_ = false;
+    bool done_ = false;
+};
+
+void check_request(const Request &request, const elmopp_junction_t &junction) {
+    if (request.clock != "real" && request.clock != "bus") {
+        throw BadRequest("--clock \"" + request.clock + "\": right would be real or bus");
+    }
+    if (junction.simulation_only != 0) {
+        throw BadRequest("--site " + request.site +
+                         ": is simulation_only and never drives lamps; right would be a site "
+                         "with amber and intergreens, such as sites/four_way.toml");
+    }
+}
+
+/// The shipped network that the site asks for, unless a file was given.
+const elmopp_weights_t *weights_of(const elmopp_junction_t &junction, const elmopp_weights_t *given) {
+    const bool nested = junction.forecast == ELMOPP_FORECAST_NLSTM;
+    return given != nullptr ? given : (nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm);
+}
+
+void check_weights(const Request &request, const elmopp_junction_t &junction, const elmopp_weights_t &weights) {
+    const std::string wanted = junction.forecast == ELMOPP_FORECAST_NLSTM ? "nlstm" : "lstm";
+    const bool network = junction.forecast == ELMOPP_FORECAST_LSTM || junction.forecast == ELMOPP_FORECAST_NLSTM;
+    if (!network || network_name(weights) != wanted) {
+        throw BadRequest(
+            "--weights " + request.weights + ": " + std::to_string(weights.lstm.levels) + " level(s); right would be " +
+            (network ? "a network of forecast " + wanted : std::string("none: the site forecasts without")));
+    }
+}
+
+int run(int argc, char **argv) {
+    Request request;
+    CLI::App app{"elmopp-controller: runs the signals of one junction over a CAN bus."};
+    app.footer("SIGTERM: all red, then the end. SIGUSR1 and SIGUSR2: the local reset input is held, and let go.\n"
+               "Exit codes: 0 stopped as asked, 1 it ran and failed, 2 the request cannot be run (one line says why).\n"
+               "Start with: elmopp-controller --can vcan0 --site sites/four_way.toml");
+    app.add_option("--can", request.can, "CAN interface, 500 kbit/s")->type_name("IFACE")->required();
+    app.add_option("--site", request.site, "The junction, .toml or .bin")->type_name("FILE")->required();
+    app.add_option("--weights", request.weights, "ELMW image instead of the shipped network")->type_name("FILE");
+    app.add_option("--clock", request.clock, "real, or bus: a simulator's SimTime frames are the lamp ticks")
+        ->type_name("NAME")
+        ->capture_default_str();
+    app.add_option("--log", request.log, "Decision log to append to, JSON lines")->type_name("FILE");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success &success) {
+        return app.exit(success);
+    } catch (const CLI::ParseError &error) {
+        throw BadRequest(std::string(error.what()) + " (elmopp-controller --help)");
+    }
+    const elmopp_junction_t junction = read_site(request.site);
+    check_request(request, junction);
+    std::unique_ptr<elmopp_weights_t> given;
+    if (!request.weights.empty()) {
+        given = std::make_unique<elmopp_weights_t>(read_weights(request.weights));
+        check_weights(request, junction, *given);
+    }
+    if (const std::string warning = check_can(request.can); !warning.empty()) {
+        say(warning);
+    }
+    Program program(request, junction, weights_of(junction, given.get()));
+    (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
+    program.run();
+    say("stopped; " + std::to_string(program.missed()) + " lamp ticks were missed");
+    return 0;
+}
+
+} // namespace
+} // namespace elmopp
+
+int main(int argc, char **argv) {
+    try {
+        return elmopp::run(argc, argv);
+    } catch (const elmopp::BadRequest &error) {
+        elmopp::say(error.what());
+        return elmopp::exit_bad_request;
+    } catch (const std::exception &error) {
+        elmopp::say(error.what());
+        return elmopp::exit_failed;
+    }
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/station.h"
+
+#include <stddef.h>
+
+static elmopp_chooser_t chooser_of(elmopp_station_t *self, const elmopp_junction_t *junction) {
+    if (junction->chooser == (uint8_t)ELMOPP_CHOOSER_PRESSURE) {
+        self->pressure = (elmopp_pressure_t){
+            .ratio = ELMOPP_PRESSURE_RATIO, .min_s = junction->hold_min_s, .max_s = junction->hold_max_s};
+        return elmopp_pressure_init(&self->pressure);
+    }
+    const elmopp_urgency_options_t options = {.min_s = junction->hold_min_s,
+                                              .max_s = junction->hold_max_s,
+                                              .hysteresis = 1.0F,
+                                              .cumulative = junction->chooser == (uint8_t)ELMOPP_CHOOSER_CUMULATIVE};
+    return elmopp_urgency_init(&self->urgency, &options);
+}
+
+/* Of the choosers only cumulative looks ahead. */
+static uint8_t forecast_of(const elmopp_junction_t *junction) {
+    return (junction->chooser == (uint8_t)ELMOPP_CHOOSER_CUMULATIVE) ? junction->forecast
+                                                                     : (uint8_t)ELMOPP_FORECAST_NONE;
+}
+
+void elmopp_station_init(elmopp_station_t *self, const elmopp_junction_t *junction, const elmopp_ar8_t *ar8,
+                         const elmopp_weights_t *weights) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        self->ar8[i] = *ar8;
+    }
+    const uint8_t forecast = forecast_of(junction);
+    const bool network = (forecast == (uint8_t)ELMOPP_FORECAST_LSTM) || (forecast == (uint8_t)ELMOPP_FORECAST_NLSTM);
+    const elmopp_controller_config_t config = {
+        .junction = junction,
+        .chooser = chooser_of(self, junction),
+        .forecast = {.kind = forecast, .ar8 = self->ar8, .weights = network ? weights : NULL}};
+    elmopp_controller_init(&self->controller, &config);
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// The controller on a CAN interface: frames and time over a socket.
+
+#include "can_interface.hpp"
+#include "can_socket.hpp"
+#include "control.hpp"
+#include "error.hpp"
+#include "jobs.hpp"
+#include "wakeups.hpp"
+
+extern "C" {
+#include "bus_clock.h"
+#include "elmopp_can.h"
+}
+
+#include <poll.h>
+
+#include <iostream>
+
+namespace elmopp {
+namespace {
+
+constexpr std::uint32_t answer_ms = 5000; ///< after which nobody is there
+constexpr std::uint32_t listen_ms = 500;  ///< a lamp node speaks every 100 ms
+
+std::vector<std::uint16_t> answers() {
+    std::vector<std::uint16_t> ids{ELMOPP_CAN_LAMP_COMMAND_FRAME_ID, ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID,
+                                   ELMOPP_CAN_DECISION_TRACE_FRAME_ID};
+    const auto add = [&ids](unsigned first, unsigned count) {
+        for (unsigned i = 0; i < count; ++i) {
+            ids.push_back(static_cast<std::uint16_t>(first + i));
+        }
+    };
+    add(ELMOPP_CAN_FORECAST_FRAME_ID, ELMOPP_APPROACH_MAX);
+    add(ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID, ELMOPP_NODE_MAX);
+    return ids;
+}
+
+void wait_for(const CanSocket &socket, int ms) {
+    pollfd source{socket.descriptor(), POLLIN, 0};
+    (void)poll(&source, 1, ms);
+}
+
+/// Lockstep: one SimTime, one answer.
+class Lockstep final : public Link {
+  public:
+    explicit Lockstep(const std::string &interface) : interface_(interface), socket_(interface, answers()) {
+        send(elmopp_bus_clock_make_time(0)); // begins anew
+    }
+
+    std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t now_ms) override {
+        for (const auto &frame : frames) {
+            if (!socket_.send_surely(frame)) {
+                throw Failure("--link can:" + interface_ + ": nothing can be sent");
+            }
+        }
+        send(elmopp_bus_clock_make_time(now_ms));
+        std::vector<elmopp_frame_t> heard;
+        const std::uint32_t begun_ms = monotonic_ms();
+        while (monotonic_ms() - begun_ms < answer_ms) {
+            while (const auto frame = socket_.receive()) {
+                heard.push_back(*frame);
+                if (frame->id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID) {
+                    return heard;
+                }
+            }
+            check_interrupt();
+            wait_for(socket_, 100);
+        }
+        throw Failure("--link can:" + interface_ + ": no answer within " + std::to_string(answer_ms / 1000) +
+                      " s; right would be a running elmopp-controller --can " + interface_ +
+                      " --clock bus with the same site");
+    }
+
+    [[nodiscard]] bool has_node(std::uint32_t /*node*/) const override {
+        return false;
+    }
+
+    [[nodiscard]] std::size_t history_s() const override {
+        return ELMOPP_FORECAST_MEAN_WINDOW_S;
+    }
+
+  private:
+    void send(elmopp_frame_t frame) {
+        elmopp_link_seal(&frame, &counter_);
+        if (!socket_.send_surely(frame)) {
+            throw Failure("--link can:" + interface_ + ": nothing can be sent");
+        }
+    }
+
+    std::string interface_;
+    CanSocket socket_;
+    std::uint8_t counter_ = 0;
+};
+
+/// Everybody by his own clock.
+class RealTime final : public Link {
+  public:
+    explicit RealTime(const std::string &interface)
+        : socket_(interface, answers()), wakeups_(ELMOPP_CONTROLLER_TICK_MS, {}) {
+        listen();
+    }
+
+    std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t /*now_ms*/) override {
+        for (const auto &frame : frames) {
+            (void)socket_.send(frame);
+        }
+        std::vector<elmopp_frame_t> heard;
+        std::uint64_t due = 0;
+        while (due == 0) {
+            wakeups_.wait(socket_.descriptor());
+            while (const auto frame = socket_.receive()) {
+                heard.push_back(*frame);
+            }
+            check_interrupt();
+            due = wakeups_.ticks();
+        }
+        missed_ += due - 1;
+        if (missed_ > 0 && !said_) {
+            std::cerr << "host_sim: lamp ticks were missed; the simulated traffic is behind the clock from now on\n";
+            said_ = true;
+        }
+        return heard;
+    }
+
+    [[nodiscard]] bool has_node(std::uint32_t node) const override {
+        return elmopp_mask_has(nodes_, node);
+    }
+
+    [[nodiscard]] std::size_t history_s() const override {
+        return 0;
+    }
+
+  private:
+    /// Which lamp nodes are there: the others are played.
+    void listen() {
+        const std::uint32_t begun_ms = monotonic_ms();
+        while (monotonic_ms() - begun_ms < listen_ms) {
+            while (const auto frame = socket_.receive()) {
+                const unsigned node = frame->id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
+                nodes_ |= node < ELMOPP_NODE_MAX ? 1U << node : 0U;
+            }
+            wait_for(socket_, 50);
+        }
+        (void)wakeups_.ticks();
+    }
+
+    CanSocket socket_;
+    Wakeups wakeups_;
+    std::uint32_t nodes_ = 0;
+    std::uint64_t missed_ = 0;
+    bool said_ = false;
+};
+
+} // namespace
+
+std::unique_ptr<Link> make_can(const std::string &interface, bool bus_clock) {
+    if (const std::string warning = check_can(interface); !warning.empty()) {
+        std::cerr << "host_sim: " << warning << "\n";
+    }
+    if (bus_clock) {
+        return std::make_unique<Lockstep>(interface);
+    }
+    return std::make_unique<RealTime>(interface);
+}
+
+} // namespace elmopp

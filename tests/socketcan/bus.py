@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""A bus, and the programs on it, for the tests beside this file. Standard library only: it starts quickly in an emulator.
+
+Frames are taken apart by hand, after firmware/can/elmopp.dbc and apart from the generated codec.
+"""
+
+import contextlib
+import os
+import select
+import signal
+import socket
+import struct
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAMS = Path(os.environ["ELMOPP_PROGRAMS"])
+SITE = os.environ["ELMOPP_QUICK_SITE"]
+OUT = Path(os.environ["ELMOPP_SOCKETCAN_OUT"])
+
+LAMP_COMMAND, LAMP_FEEDBACK, COUNTS, STATUS, COMMAND = 0x080, 0x090, 0x100, 0x180, 0x200
+MODES = (
+    "starting start_flash start_red first_stage automatic fixed_time manual all_red flashing dark fail_safe".split()
+)
+FAULTS = {0: "none", 11: "feedback_differs", 12: "feedback_lost", 16: "lamp_node", 20: "clock", 21: "second_controller"}
+RUN, PREPARE, CONFIRM = 2, 8, 9
+FRAME = struct.Struct("=IB3x8s")
+
+
+def crc8(data: bytes) -> int:
+    """CRC-8 SAE J1850."""
+    rest = 0xFF
+    for byte in data:
+        rest ^= byte
+        for _ in range(8):
+            rest = ((rest << 1) ^ 0x1D if rest & 0x80 else rest << 1) & 0xFF
+    return rest ^ 0xFF
+
+
+def sealed(frame_id: int, counter: int, payload: int = 0) -> bytes:
+    """Eight bytes with counter, payload from bit 4 on, and checksum."""
+    body = (counter | payload << 4).to_bytes(7, "little")
+    return body + bytes([crc8(frame_id.to_bytes(2, "little") + body)])
+
+
+def bits(data: bytes, first: int, count: int) -> int:
+    """A little-endian signal."""
+    return int.from_bytes(data, "little") >> first & ((1 << count) - 1)
+
+
+@dataclass
+class Heard:
+    """A frame, and when it came."""
+
+    id: int
+    data: bytes
+    at_s: float
+
+    @property
+    def aspects(self) -> list[int]:
+        """Of a LampCommand."""
+        return [bits(self.data, 8 + 3 * g, 3) for g in range(16)]
+
+    @property
+    def mode(self) -> str:
+        """Of a ControllerStatus."""
+        return MODES[bits(self.data, 4, 4)]
+
+    @property
+    def fault(self) -> str:
+        """Of a ControllerStatus."""
+        code = bits(self.data, 26, 6)
+        return FAULTS.get(code, str(code))
+
+
+class Bus:
+    """A raw socket that hears everything."""
+
+    def __init__(self, interface: str) -> None:
+        self.socket = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 21)
+        self.socket.bind((interface,))
+        self.counters: dict[int, int] = {}
+
+    def send(self, frame_id: int, data: bytes) -> None:
+        """Sends a frame as it is."""
+        self.socket.send(FRAME.pack(frame_id, len(data), data.ljust(8, b"\0")))
+
+    def tell(self, frame_id: int, payload: int) -> None:
+        """Sends a good frame."""
+        counter = self.counters.get(frame_id, 0)
+        self.counters[frame_id] = (counter + 1) % 15
+        self.send(frame_id, sealed(frame_id, counter, payload))
+
+    def command(self, request: int, argument: int = 0) -> None:
+        """Sends a Command."""
+        self.tell(COMMAND, request | argument << 4)
+
+    def hear(self, seconds: float) -> Iterator[Heard]:
+        """Frames until the time is up."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            if select.select([self.socket], [], [], left)[0]:
+                frame_id, length, data = FRAME.unpack(self.socket.recv(16))
+                yield Heard(frame_id, data[:length], time.monotonic())
+
+    def clear(self) -> None:
+        """Forgets what has come."""
+        for _ in self.hear(0.001):
+            pass
+
+    def until(self, frame_id: int, wanted: Callable[[Heard], bool], seconds: float, what: str) -> Heard:
+        """The first such frame."""
+        last = None
+        for frame in self.hear(seconds):
+            if frame.id == frame_id:
+                last = frame
+                if wanted(frame):
+                    return frame
+        raise AssertionError(f"not within {seconds} s: {what}; last heard: {last}")
+
+    def mode(self, mode: str, seconds: float = 40.0) -> Heard:
+        """Waits for a mode."""
+        return self.until(STATUS, lambda frame: frame.mode == mode, seconds, f"mode {mode}")
+
+
+def ip(*words: str) -> None:
+    """Changes an interface."""
+    subprocess.run(["ip", "link", *words], check=True, capture_output=True, timeout=20)
+
+
+@contextlib.contextmanager
+def interface(name: str) -> Iterator[str]:
+    """A vcan interface of a test's own."""
+    ip("add", name, "type", "vcan")
+    ip("set", name, "up")
+    try:
+        yield name
+    finally:
+        subprocess.run(["ip", "link", "del", name], check=False, capture_output=True, timeout=20)
+
+
+class Program:
+    """One of our programs, and what it has said."""
+
+    def __init__(self, name: str, *words: str) -> None:
+        OUT.mkdir(parents=True, exist_ok=True)
+        self.name = name
+        self.said = OUT / f"{name}-{time.monotonic_ns()}.txt"
+        with self.said.open("wb") as out:
+            self.process = subprocess.Popen([str(PROGRAMS / name), *words], stdout=out, stderr=out, cwd=ROOT)
+
+    def text(self) -> str:
+        """Everything said so far."""
+        return self.said.read_text(encoding="utf-8")
+
+    def says(self, words: str, seconds: float = 10.0) -> None:
+        """Waits until it has said this."""
+        end = time.monotonic() + seconds
+        while words not in self.text():
+            assert time.monotonic() < end, f'{self.name} did not say "{words}" within {seconds} s but:\n{self.text()}'
+            time.sleep(0.02)
+
+    def ask(self, number: signal.Signals) -> None:
+        """Sends a signal."""
+        self.process.send_signal(number)
+
+    def ends(self, seconds: float = 30.0) -> int:
+        """Its exit code."""
+        return self.process.wait(timeout=seconds)
+
+    def __enter__(self) -> "Program":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.wait(timeout=10)
+
+
+def controller(name: str, *words: str) -> Program:
+    """elmopp-controller with the quick site."""
+    return Program("elmopp-controller", "--can", name, "--site", SITE, *words)
+
+
+def lamp_node(name: str, *words: str) -> Program:
+    """elmopp-lamp-node with the quick site."""
+    return Program("elmopp-lamp-node", "--can", name, "--site", SITE, *words)
+
+
+def refused(program: str, *words: str) -> str:
+    """The one line with which a request is refused."""
+    done = subprocess.run(
+        [str(PROGRAMS / program), *words], capture_output=True, text=True, check=False, timeout=60, cwd=ROOT
+    )
+    assert done.returncode == 2, (done.returncode, done.stderr)
+    assert done.stdout == ""
+    assert done.stderr.count("\n") == 1, done.stderr
+    return done.stderr
