@@ -444,6 +444,63 @@ static void test_lamp_commands_come_every_tick_and_status_every_second_or_on_new
     TEST_ASSERT_TRUE(bench.status_frames <= (status + 16U));
 }
 
+/* --- another controller, and the end --- */
+
+static bool overhear(elmopp_frame_t frame, uint8_t counter) {
+    uint8_t own = counter;
+    elmopp_link_seal(&frame, &own);
+    return elmopp_controller_take(&bench.controller, &frame);
+}
+
+static void test_a_second_controller_is_a_fault_whatever_it_says(void) {
+    const elmopp_lamps_t dark = {0U, 0U, 0U, 0U};
+    const elmopp_status_t status = {.mode = ELMOPP_MODE_STARTING};
+    const elmopp_frame_t words[] = {elmopp_frames_lamp_command(&dark, false, true), elmopp_frames_status(&status)};
+    for (uint32_t i = 0U; i < 2U; i++) {
+        setUp();
+        start();
+        TEST_ASSERT_TRUE(overhear(words[i], (uint8_t)(3U * i)));
+        bench_ticks(&bench, 1U);
+        expect_fault(ELMOPP_FAULT_SECOND_CONTROLLER, ELMOPP_FAULT_NO_GROUP);
+    }
+}
+
+static void test_a_spoilt_lamp_command_is_nobody(void) {
+    const elmopp_lamps_t dark = {0U, 0U, 0U, 0U};
+    elmopp_frame_t frame = elmopp_frames_lamp_command(&dark, false, true);
+    uint8_t counter = 0U;
+    elmopp_link_seal(&frame, &counter);
+    frame.data[2] ^= 1U;
+    TEST_ASSERT_TRUE(bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 600U));
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &frame));
+    bench_ticks(&bench, 1U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.status.fault);
+}
+
+static void test_a_stop_is_all_red_first(void) {
+    TEST_ASSERT_TRUE(bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 600U));
+    bench_ticks(&bench, 30U);
+    TEST_ASSERT_NOT_EQUAL_HEX16(0U, bench.shown.green);
+    TEST_ASSERT_FALSE(elmopp_controller_has_stopped(&bench.controller));
+    elmopp_controller_stop(&bench.controller);
+    uint32_t ticks = 0U;
+    while ((!elmopp_controller_has_stopped(&bench.controller)) && (ticks < 600U)) {
+        bench_tick(&bench);
+        ticks++;
+    }
+    TEST_ASSERT_TRUE(elmopp_controller_has_stopped(&bench.controller));
+    TEST_ASSERT_EQUAL_HEX16(0U, bench.shown.green | bench.shown.amber | bench.shown.flash);
+    bench_ticks(&bench, 200U);
+    TEST_ASSERT_TRUE(elmopp_controller_has_stopped(&bench.controller));
+    bench_expect_good_street(&bench);
+}
+
+static void test_who_flashes_has_stopped(void) {
+    bench_ticks(&bench, 3U);
+    TEST_ASSERT_NOT_EQUAL_HEX16(0U, bench.shown.flash);
+    TEST_ASSERT_TRUE(elmopp_controller_has_stopped(&bench.controller));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_start_flashes_then_shows_red_then_its_first_stage);
@@ -478,5 +535,9 @@ int main(void) {
     RUN_TEST(test_a_late_tick_and_a_clock_that_jumps_back_or_far_ahead_are_faults);
     RUN_TEST(test_a_clock_that_wraps_is_no_fault);
     RUN_TEST(test_lamp_commands_come_every_tick_and_status_every_second_or_on_news);
+    RUN_TEST(test_a_second_controller_is_a_fault_whatever_it_says);
+    RUN_TEST(test_a_spoilt_lamp_command_is_nobody);
+    RUN_TEST(test_a_stop_is_all_red_first);
+    RUN_TEST(test_who_flashes_has_stopped);
     return UNITY_END();
 }

@@ -13,6 +13,7 @@
 
 static void flash(elmopp_lamp_node_t *self) {
     self->fail_safe = true;
+    self->calm = false;
     self->calm_ms = 0U;
     self->lamps = elmopp_lamps_flashing(self->junction, self->groups);
 }
@@ -57,7 +58,9 @@ bool elmopp_lamp_node_take(elmopp_lamp_node_t *self, const elmopp_frame_t *frame
     }
     self->link = link;
     self->silent_ms = 0U;
-    self->calm_ms = is_calm(&lamps) ? self->calm_ms : 0U;
+    const bool calm = is_calm(&lamps);
+    self->calm_ms = (calm && self->calm) ? self->calm_ms : 0U;
+    self->calm = calm;
     if ((!self->fail_safe) || (self->calm_ms >= ELMOPP_LAMP_NODE_RETURN_MS)) {
         self->fail_safe = false;
         self->lamps = own(self, &lamps);
@@ -74,6 +77,7 @@ void elmopp_lamp_node_pass(elmopp_lamp_node_t *self, uint32_t elapsed_ms) {
     }
     if (self->silent_ms < ELMOPP_LAMP_NODE_TIMEOUT_MS) {
         self->silent_ms += step_ms;
+        /* The second begins with the first calm command, not with the last other one. */
         self->calm_ms = (self->calm_ms < ELMOPP_LAMP_NODE_RETURN_MS) ? (self->calm_ms + step_ms) : self->calm_ms;
     }
     if (self->silent_ms >= ELMOPP_LAMP_NODE_TIMEOUT_MS) {

@@ -32,6 +32,7 @@ import pytest
 from scipy import stats
 
 ROOT = Path(__file__).resolve().parents[2]
+ONE_WAY = ROOT / "sites" / "one_way.toml"
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "host" / "bin" / "host_sim"))
 SITES = sorted((ROOT / "sites").glob("*.toml"))
 DIGESTS = ROOT / "tests" / "golden" / "log_digests.json"
@@ -122,7 +123,13 @@ BAD_VALUES = [
     ("run --trial x", '"x"', "--trial"),
     ("run --mapping raw", '"raw"', "abs, shift"),
     ("run --integrator rk5", '"rk5"', "rk4, euler"),
-    ("run --link can:vcan0", '"can:vcan0"', "inproc"),
+    ("run --link can:vcan0", "can:vcan0", "simulation_only"),
+    (f"run --link can:none0 --site {ONE_WAY}", "none0", "no such interface"),
+    (f"run --link can:vcan0 --site {ONE_WAY} --chooser pressure", "pressure", "right would be none, or naive"),
+    ("run --link can:vcan0 --weights x", "--weights", "elmopp-controller --weights"),
+    ("run --link can:vcan0 --clock wall", '"wall"', "bus, real"),
+    ("run --link can:", '"can:"', "can:IFACE"),
+    ("run --clock real", "--clock", "without --link can:IFACE"),
     ("run --link slcan:tty:/dev/ttyACM0", '"slcan:tty:/dev/ttyACM0"', "inproc"),
     ("run --link ", '""', "inproc"),
     ("run --split 0.5,0.5", "2 shares", "3 movements"),
@@ -350,7 +357,7 @@ def test_an_interrupted_experiment_leaves_nothing(tmp_path: Path, number: signal
 
 OPTIONS = {
     "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split",
-    "run": "profile site chooser vehicles trial trace weights seconds log full summary link integrator seed mapping "
+    "run": "profile site chooser vehicles trial trace weights seconds log full summary link clock integrator seed mapping "
     "split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",
     "accuracy": "trials seed jobs weights json",
@@ -395,7 +402,7 @@ def test_list_as_json() -> None:
         "fixed": True,
     }
     assert listed["forecasts"] == ["none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "oracle"]
-    assert listed["links"] == ["inproc"]
+    assert listed["links"] == ["inproc", "can"]
 
 
 def test_list_names_what_the_json_names() -> None:

@@ -39,6 +39,8 @@ LEVELS = {
     "frames": 2,
     "pilot": 4,
     "controller": 5,
+    "lamp_node": 3,
+    "station": 6,
 }
 
 

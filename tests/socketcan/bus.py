@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 
-"""A bus, and the programs on it, for the tests beside this file. Standard library only: it starts quickly in an emulator.
+"""A bus, and the programs on it, for the tests beside this file. Standard library only: quick to start in an emulator.
 
 Frames are taken apart by hand, after firmware/can/elmopp.dbc and apart from the generated codec.
 """
@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(os.environ["ELMOPP_PROGRAMS"])
@@ -24,9 +25,8 @@ SITE = os.environ["ELMOPP_QUICK_SITE"]
 OUT = Path(os.environ["ELMOPP_SOCKETCAN_OUT"])
 
 LAMP_COMMAND, LAMP_FEEDBACK, COUNTS, STATUS, COMMAND = 0x080, 0x090, 0x100, 0x180, 0x200
-MODES = (
-    "starting start_flash start_red first_stage automatic fixed_time manual all_red flashing dark fail_safe".split()
-)
+MODES = ["starting", "start_flash", "start_red", "first_stage", "automatic", "fixed_time", "manual", "all_red"]
+MODES += ["flashing", "dark", "fail_safe"]
 FAULTS = {0: "none", 11: "feedback_differs", 12: "feedback_lost", 16: "lamp_node", 20: "clock", 21: "second_controller"}
 RUN, PREPARE, CONFIRM = 2, 8, 9
 FRAME = struct.Struct("=IB3x8s")
@@ -79,10 +79,13 @@ class Heard:
 
 
 class Bus:
-    """A raw socket that hears everything."""
+    """A raw socket that hears these ids, or everything."""
 
-    def __init__(self, interface: str) -> None:
+    def __init__(self, interface: str, *ids: int) -> None:
         self.socket = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+        if ids:
+            filters = b"".join(struct.pack("=II", frame_id, 0x7FF) for frame_id in ids)
+            self.socket.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, filters)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 21)
         self.socket.bind((interface,))
         self.counters: dict[int, int] = {}
@@ -114,7 +117,7 @@ class Bus:
         for _ in self.hear(0.001):
             pass
 
-    def until(self, frame_id: int, wanted: Callable[[Heard], bool], seconds: float, what: str) -> Heard:
+    def until(self, frame_id: int, wanted: Callable[[Heard], object], seconds: float, what: str) -> Heard:
         """The first such frame."""
         last = None
         for frame in self.hear(seconds):
@@ -174,7 +177,7 @@ class Program:
         """Its exit code."""
         return self.process.wait(timeout=seconds)
 
-    def __enter__(self) -> "Program":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -6,12 +6,16 @@
 Without cameras a controller runs its fixed times: enough for lamps. Times are generous: an emulator runs this.
 """
 
+import contextlib
+import itertools
 import os
 import signal
 import statistics
 import subprocess
-import threading
 import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 from bus import (
@@ -47,6 +51,44 @@ def host_sim(*words: str, seconds: float = 200.0) -> subprocess.CompletedProcess
     )
 
 
+@dataclass
+class Junction:
+    """A bus with a controller and a lamp node on it."""
+
+    name: str
+    bus: Bus
+    node: Program
+    program: Program
+
+
+@pytest.fixture(scope="session")
+def junctions() -> Iterator[dict[str, Junction]]:
+    """All that are needed, started together: a start-up takes seconds."""
+    with contextlib.ExitStack() as stack:
+        started = {}
+        for name in ("die0", "two0", "down0", "plug0", "err0"):
+            stack.enter_context(interface(name))
+            started[name] = Junction(
+                name, Bus(name), stack.enter_context(lamp_node(name)), stack.enter_context(controller(name))
+            )
+        for junction in started.values():
+            junction.bus.mode(STEADY)
+        yield started
+
+
+@pytest.fixture(scope="session", autouse=True)
+def street() -> Iterator[subprocess.Popen[str]]:
+    """host_sim in real time, beside everything else: it takes most of a minute."""
+    with interface("real0") as name, lamp_node(name), controller(name):
+        time.sleep(1.0)
+        words = ["run", "--site", SITE, "--link", f"can:{name}", "--clock", "real", "--seconds", "15"]
+        with subprocess.Popen(
+            [str(PROGRAMS / "host_sim"), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=ROOT
+        ) as simulator:
+            yield simulator
+            simulator.kill()
+
+
 # --- in lockstep ---
 
 
@@ -69,7 +111,10 @@ def test_a_simulator_without_a_controller_says_so() -> None:
     with interface("lock1") as name:
         done = host_sim("run", "--site", SITE, "--link", f"can:{name}")
     assert done.returncode == 1
-    assert done.stderr.count("\n") == 1 and "no answer within 5 s; right would be a running elmopp-controller" in done.stderr
+    assert (
+        done.stderr.count("\n") == 1
+        and "no answer within 5 s; right would be a running elmopp-controller" in done.stderr
+    )
 
 
 # --- bad requests ---
@@ -117,7 +162,7 @@ def test_a_controller_that_is_killed_leaves_flashing_within_its_time() -> None:
             flashing = bus.until(
                 LAMP_FEEDBACK, lambda frame: frame.data[0] >> 5 & 1 == 1, 3.0, "the node's own fail-safe"
             )
-            # 300 ms of silence after the last command, 20 ms of its clock, 100 ms to the next feedback, and an emulator.
+            # 300 ms of silence after the last command, 20 ms of its clock, 100 ms to the next feedback, an emulator.
             assert flashing.at_s - killed_s < 0.7
             # A new one starts from the beginning, and the node comes back.
             with controller(name):
@@ -125,153 +170,130 @@ def test_a_controller_that_is_killed_leaves_flashing_within_its_time() -> None:
                 bus.mode(STEADY)
 
 
-def test_a_lamp_node_that_dies_is_a_fault_that_only_a_person_at_the_cabinet_clears() -> None:
-    with interface("die0") as name:
-        bus = Bus(name)
-        with controller(name) as program:
-            with lamp_node(name):
-                bus.mode(STEADY)
-            fault = bus.mode("fail_safe", 3.0)
-            assert fault.fault == "feedback_lost"
-            with lamp_node(name):
-                bus.command(PREPARE, 12)
-                bus.command(CONFIRM, 12)
-                refusals = bus.until(STATUS, lambda frame: frame.data[6] >= 2, 3.0, "two refused commands")
-                assert refusals.mode == "fail_safe"
-                program.ask(signal.SIGUSR1)
-                program.says("the local reset is held")
-                bus.command(PREPARE, 12)
-                bus.command(CONFIRM, 12)
-                bus.mode("starting", 3.0)
-                program.ask(signal.SIGUSR2)
-                bus.mode(STEADY)
+def test_a_lamp_node_that_dies_is_a_fault_that_only_a_person_at_the_cabinet_clears(
+    junctions: dict[str, Junction],
+) -> None:
+    junction = junctions["die0"]
+    bus, program = junction.bus, junction.program
+    junction.node.process.kill()
+    bus.clear()
+    assert bus.mode("fail_safe", 3.0).fault == "feedback_lost"
+    with lamp_node(junction.name):
+        bus.command(PREPARE, 12)
+        bus.command(CONFIRM, 12)
+        refusals = bus.until(STATUS, lambda frame: frame.data[6] >= 2, 3.0, "two refused commands")
+        assert refusals.mode == "fail_safe"
+        program.ask(signal.SIGUSR1)
+        program.says("the local reset is held")
+        bus.command(PREPARE, 12)
+        bus.command(CONFIRM, 12)
+        bus.mode("starting", 3.0)
+        program.ask(signal.SIGUSR2)
+        bus.mode(STEADY)
 
 
-def test_two_controllers_on_one_bus_both_flash() -> None:
-    with interface("two0") as name:
-        bus = Bus(name)
-        with lamp_node(name), controller(name) as first:
+def test_two_controllers_on_one_bus_both_flash(junctions: dict[str, Junction]) -> None:
+    junction = junctions["two0"]
+    with controller(junction.name) as second:
+        junction.program.says("fault second controller", 5.0)
+        second.says("fault second controller", 5.0)
+
+
+BROKEN = {
+    "brk0": ("lose:2@15000", "none"),
+    "brk1": ("late:40@15000", "none"),
+    "brk2": ("lose:20@15000", "feedback_lost"),
+    "brk3": ("stuck:0:green@15000", "feedback_differs"),
+}
+
+
+def test_a_broken_node_is_found_and_a_small_hitch_is_none() -> None:
+    with contextlib.ExitStack() as stack:
+        buses = {}
+        for name, (broken, _) in BROKEN.items():
+            stack.enter_context(interface(name))
+            buses[name] = Bus(name, STATUS)
+            stack.enter_context(lamp_node(name, "--break", broken))
+            stack.enter_context(controller(name))
+        for bus in buses.values():
             bus.mode(STEADY)
-            with controller(name) as second:
-                first.says("fault second controller", 5.0)
-                second.says("fault second controller", 5.0)
+        time.sleep(10.0)
+        for name, (broken, fault) in BROKEN.items():
+            last = list(buses[name].hear(2.5))[-1]
+            assert (broken, last.fault) == (broken, fault)
+            assert last.mode == (STEADY if fault == "none" else "fail_safe")
 
 
-@pytest.mark.parametrize(
-    ("broken", "fault"),
-    [
-        ("lose:2@6000", "none"),
-        ("late:40@6000", "none"),
-        ("lose:20@6000", "feedback_lost"),
-        ("stuck:0:green@6000", "feedback_differs"),
-    ],
-)
-def test_a_broken_node_is_found_and_a_small_hitch_is_none(broken: str, fault: str) -> None:
-    with interface("brk0") as name:
-        bus = Bus(name)
-        with lamp_node(name, "--break", broken) as node, controller(name) as program:
-            bus.mode(STEADY, 40.0)
-            if fault == "none":
-                for frame in bus.hear(4.0):
-                    assert frame.id != STATUS or frame.fault == "none"
-            else:
-                assert bus.mode("fail_safe", 20.0).fault == fault
-            assert node.process.poll() is None and program.process.poll() is None
+def test_an_interface_that_goes_down_and_comes_back_is_survived(junctions: dict[str, Junction]) -> None:
+    junction = junctions["down0"]
+    ip("set", junction.name, "down")
+    junction.program.says("fault feedback lost", 5.0)
+    junction.program.says("unsent frames", 5.0)
+    ip("set", junction.name, "up")
+    assert Bus(junction.name).mode("fail_safe", 5.0).fault == "feedback_lost"
+    assert junction.program.process.poll() is None
 
 
-def test_an_interface_that_goes_down_and_comes_back_is_survived() -> None:
-    with interface("down0") as name:
-        bus = Bus(name)
-        with lamp_node(name), controller(name) as program:
-            bus.mode(STEADY)
-            ip("set", name, "down")
-            program.says("fault feedback lost", 5.0)
-            program.says("unsent frames", 5.0)
-            ip("set", name, "up")
-            fresh = Bus(name)
-            assert fresh.mode("fail_safe", 5.0).fault == "feedback_lost"
-            assert program.process.poll() is None
+def test_an_adapter_that_is_unplugged_and_plugged_in_again_is_found(junctions: dict[str, Junction]) -> None:
+    junction = junctions["plug0"]
+    ip("del", junction.name)
+    junction.program.says("fault feedback lost", 5.0)
+    junction.node.says("by itself", 5.0)
+    ip("add", junction.name, "type", "vcan")
+    ip("set", junction.name, "up")
+    fresh = Bus(junction.name)
+    assert fresh.mode("fail_safe", 10.0).fault == "feedback_lost"
+    fresh.until(LAMP_FEEDBACK, bool, 10.0, "feedback again")
+    junction.program.says("opened again 1", 5.0)
 
 
-def test_an_adapter_that_is_unplugged_and_plugged_in_again_is_found() -> None:
-    with interface("plug0") as name:
-        bus = Bus(name)
-        with lamp_node(name) as node, controller(name) as program:
-            bus.mode(STEADY)
-            ip("del", name)
-            program.says("fault feedback lost", 5.0)
-            node.says("by itself", 5.0)
-            ip("add", name, "type", "vcan")
-            ip("set", name, "up")
-            fresh = Bus(name)
-            assert fresh.mode("fail_safe", 10.0).fault == "feedback_lost"
-            fresh.until(LAMP_FEEDBACK, lambda frame: True, 10.0, "feedback again")
-            program.says("opened again 1", 5.0)
+def test_error_frames_are_understood_and_change_no_lamp(junctions: dict[str, Junction]) -> None:
+    bus, program = junctions["err0"].bus, junctions["err0"].program
+    bus.clear()
+    bus.send(ERROR_FLAG | BUS_OFF, bytes(8))
+    program.says("bus-off 1", 5.0)
+    bus.send(ERROR_FLAG | RESTARTED, bytes(8))
+    bus.send(ERROR_FLAG | CONTROLLER, bytes([0, 0x10, 0, 0, 0, 0, 0, 0]))
+    program.says("restarted 1", 5.0)
+    program.says("error-passive 1", 5.0)
+    for frame in bus.hear(1.0):
+        assert frame.id != STATUS or frame.mode == STEADY
 
 
-def test_error_frames_are_understood_and_change_no_lamp() -> None:
-    with interface("err0") as name:
-        bus = Bus(name)
-        with lamp_node(name), controller(name) as program:
-            bus.mode(STEADY)
-            bus.send(ERROR_FLAG | BUS_OFF, bytes(8))
-            program.says("bus-off 1", 5.0)
-            bus.send(ERROR_FLAG | RESTARTED, bytes(8))
-            bus.send(ERROR_FLAG | CONTROLLER, bytes([0, 0x10, 0, 0, 0, 0, 0, 0]))
-            program.says("restarted 1", 5.0)
-            program.says("error-passive 1", 5.0)
-            for frame in bus.hear(1.0):
-                assert frame.id != STATUS or frame.mode == STEADY
+def sent_frames(name: str) -> int:
+    return int(Path(f"/sys/class/net/{name}/statistics/tx_packets").read_text())
 
 
-def flood(name: str, frame_id: int, per_s: int, stop: threading.Event) -> None:
-    """Rubbish at a rate."""
-    bus = Bus(name)
-    rubbish = sealed(frame_id, 3)[:7] + b"\x55"
-    begun_s, sent = time.monotonic(), 0
-    while not stop.is_set():
-        while sent < (time.monotonic() - begun_s) * per_s:
-            bus.send(frame_id, rubbish)
-            sent += 1
-        bus.clear()
-        time.sleep(0.002)
-    (OUT / "flood.txt").write_text(f"{sent / (time.monotonic() - begun_s):.0f} frames/s\n")
+@contextlib.contextmanager
+def flood(name: str) -> Iterator[None]:
+    """About what 500 kbit/s carries, of a Command that the controller listens to and refuses: its checksum is wrong."""
+    rubbish = (sealed(COMMAND, 3)[:7] + b"\x55").hex()
+    words = ["cangen", name, "-g", "1", "-I", f"{COMMAND:03X}", "-L", "8", "-D", rubbish]
+    generators = [subprocess.Popen(words) for _ in range(6)]
+    begun_s, begun = time.monotonic(), sent_frames(name)
+    try:
+        yield
+    finally:
+        per_s = (sent_frames(name) - begun) / (time.monotonic() - begun_s)
+        for generator in generators:
+            generator.kill()
+            generator.wait()
+        (OUT / "flood.txt").write_text(f"{per_s:.0f} frames/s\n")
 
 
 def test_a_flooded_bus_does_not_keep_the_lamps_waiting() -> None:
-    """About what 500 kbit/s carries, of a frame that the controller listens to and refuses."""
     with interface("flood0") as name:
-        bus = Bus(name)
+        bus = Bus(name, LAMP_COMMAND, STATUS)
         with lamp_node(name), controller(name):
             bus.mode(STEADY)
-            stop = threading.Event()
-            flooder = threading.Thread(target=flood, args=(name, COMMAND, 4000, stop))
-            flooder.start()
-            try:
+            with flood(name):
                 times = [frame.at_s for frame in bus.hear(8.0) if frame.id == LAMP_COMMAND]
-            finally:
-                stop.set()
-                flooder.join()
-            gaps_ms = [1000 * (b - a) for a, b in zip(times, times[1:], strict=False)]
+            gaps_ms = [1000 * (b - a) for a, b in itertools.pairwise(times)]
             (OUT / "flood_gaps.txt").write_text("\n".join(f"{gap:.1f}" for gap in gaps_ms) + "\n")
             assert len(times) >= 75, len(times)
             assert 95.0 < statistics.median(gaps_ms) < 105.0
-            status = bus.until(STATUS, lambda frame: True, 3.0, "a status")
+            status = bus.until(STATUS, bool, 3.0, "a status")
             assert (status.mode, status.fault) == (STEADY, "none")
-
-
-# --- everybody by his own clock ---
-
-
-def test_a_simulated_street_in_real_time_has_figures_of_its_own() -> None:
-    with interface("real0") as name, lamp_node(name), controller(name) as program:
-        time.sleep(1.0)
-        done = host_sim(
-            "run", "--site", SITE, "--link", f"can:{name}", "--clock", "real", "--seconds", "15", "--vehicles", "500"
-        )
-        assert done.returncode == 0, done.stderr
-        assert '"seconds": 15' in done.stdout
-        program.says("mode automatic")
 
 
 # --- the real driver ---
@@ -297,3 +319,12 @@ def test_another_bit_rate_is_refused() -> None:
     ip("set", "can1", "up")
     with Program("elmopp-lamp-node", "--can", "can1", "--site", SITE) as node:
         node.says("can1 does not come back from bus-off by itself", 10.0)
+
+
+# --- everybody by his own clock ---
+
+
+def test_a_simulated_street_in_real_time_has_figures_of_its_own(street: subprocess.Popen[str]) -> None:
+    said, _ = street.communicate(timeout=120)
+    assert street.returncode == 0, said
+    assert '"seconds": 15' in said

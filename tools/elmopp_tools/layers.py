@@ -94,7 +94,7 @@ _COMMENT_OR_LITERAL = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?
 _INCLUDE = re.compile(r"^[ \t\v]*(?:#|%:)[ \t\v]*(?:include|include_next|import)\b[ \t\v]*(.*?)[ \t\v]*$", re.MULTILINE)
 # The codec that tools/can generates lies beside its definition, and only those who speak to the bus include it.
 CODEC_HEADER = '"elmopp_can.h"'
-CODEC_ROOMS = frozenset({"frames", "controller"})
+CODEC_ROOMS = frozenset({"controller", "frames", "lamp_node"})
 
 _CORE_HEADER = re.compile(r'"elmopp/(\w+)\.h"')
 _SYMBOL = re.compile(r"(?P<member>.*): (?P<name>\S+) (?P<kind>\w)(?: |$)")

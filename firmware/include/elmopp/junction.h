@@ -170,7 +170,8 @@ bool elmopp_mask_has(uint32_t mask, uint32_t index);
 bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups);
 
 /// Longest time from the moment at which a shown stage may be left until any other one is shown: the longest minimum
-/// green and the longest intergreen, or amber and red-amber. Tenths of a second. The bound on red is worked out with it.
+/// green and the longest intergreen, or amber and red-amber. Tenths of a second. The bound on red is worked out with
+/// it.
 uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction);
 
 /// Mask of the movements that go when exactly these signal groups are green.

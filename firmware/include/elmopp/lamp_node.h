@@ -30,9 +30,10 @@ typedef struct {
     uint8_t node;
     uint8_t counter;    ///< of the next LampFeedback
     uint32_t silent_ms; ///< since the last good command; saturates at the time-out
-    uint32_t calm_ms;   ///< of good commands without movement, while it flashes by itself
+    uint32_t calm_ms;   ///< of good commands without movement; saturates
     uint32_t rest_ms;   ///< of a lamp tick, for the link
     uint32_t refused;   ///< commands that were not believed; saturates
+    bool calm;          ///< the last good command was
     bool fail_safe;     ///< flashes by itself
 } elmopp_lamp_node_t;
 

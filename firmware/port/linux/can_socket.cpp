@@ -24,7 +24,7 @@ namespace elmopp {
 namespace {
 
 constexpr int send_room_ms = 1000;
-constexpr int receive_room_bytes = 1 << 20; ///< some thousand frames: a flood is to be counted, not to push ours out
+constexpr int receive_room_bytes = 1048576; ///< some thousand frames: a flood is to be counted, not to push ours out
 
 std::time_t monotonic_s() {
     timespec now{};
@@ -81,6 +81,7 @@ void CanSocket::open(bool at_start) {
         return;
     }
     std::vector<can_filter> filters;
+    filters.reserve(ids_.size());
     for (const std::uint16_t id : ids_) {
         filters.push_back({id, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG});
     }
@@ -117,10 +118,12 @@ void CanSocket::find_again() {
     }
 }
 
-void CanSocket::count_error(std::uint32_t what, std::uint8_t controller) {
+void CanSocket::count_error(std::uint32_t what, std::uint32_t controller) {
     const std::uint32_t known = CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL;
-    const bool passive = (controller & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) != 0;
-    const bool overrun = (controller & (CAN_ERR_CRTL_RX_OVERFLOW | CAN_ERR_CRTL_TX_OVERFLOW)) != 0;
+    constexpr std::uint32_t any_passive = CAN_ERR_CRTL_RX_PASSIVE + CAN_ERR_CRTL_TX_PASSIVE;
+    constexpr std::uint32_t any_overrun = CAN_ERR_CRTL_RX_OVERFLOW + CAN_ERR_CRTL_TX_OVERFLOW;
+    const bool passive = (controller & any_passive) != 0;
+    const bool overrun = (controller & any_overrun) != 0;
     troubles_.bus_off += (what & CAN_ERR_BUSOFF) != 0 ? 1U : 0U;
     troubles_.restarted += (what & CAN_ERR_RESTARTED) != 0 ? 1U : 0U;
     troubles_.error_passive += (what & CAN_ERR_CRTL) != 0 && passive ? 1U : 0U;
@@ -140,11 +143,12 @@ std::optional<elmopp_frame_t> CanSocket::receive() {
         message.msg_control = control.data();
         message.msg_controllen = control.size();
         const ssize_t got = recvmsg(descriptor_, &message, 0);
+        const int error = errno;
         if (got < 0) {
-            if (errno == ENODEV) {
+            if (error == ENODEV) {
                 close();
             }
-            if (errno == ENETDOWN || errno == EINTR) {
+            if (error == ENETDOWN || error == EINTR) {
                 continue; // said once; the socket stays, and hears again when the interface is up
             }
             return std::nullopt;

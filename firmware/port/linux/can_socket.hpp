@@ -65,7 +65,7 @@ class CanSocket {
     void open(bool at_start);
     void close();
     void find_again();
-    void count_error(std::uint32_t what, std::uint8_t controller);
+    void count_error(std::uint32_t what, std::uint32_t controller);
 
     std::string interface_;
     std::vector<std::uint16_t> ids_;

@@ -13,6 +13,7 @@
 #include "decision_log.hpp"
 #include "error.hpp"
 #include "networks.hpp"
+#include "program.hpp"
 #include "sites.hpp"
 #include "wakeups.hpp"
 
@@ -38,8 +39,7 @@ extern "C" {
 namespace elmopp {
 namespace {
 
-constexpr int exit_failed = 1;
-constexpr int exit_bad_request = 2;
+const char *const program_name = "elmopp-controller";
 constexpr unsigned frames_between_looks = 64; ///< a flood does not keep the lamps waiting
 
 struct Request {
@@ -50,8 +50,8 @@ struct Request {
     std::string log;
 };
 
-void say(const std::string &text) {
-    std::cerr << "elmopp-controller: " + text + "\n";
+void say_it(const std::string &text) {
+    say(program_name, text);
 }
 
 /// What the controller listens to; the kernel drops the rest.
@@ -99,7 +99,7 @@ class StreetLog {
         if (wanted_ && out_) {
             out_ << decision_line(decision_of(controller, seconds_++)) << "}\n" << std::flush;
             if (!out_) {
-                say("the log cannot be written any more");
+                say_it("the log cannot be written any more");
             }
         }
     }
@@ -165,9 +165,9 @@ class Program {
         while (const auto signal = wakeups_.signal()) {
             if (*signal == SIGUSR1 || *signal == SIGUSR2) {
                 elmopp_controller_hold_reset(&controller(), *signal == SIGUSR1);
-                say(*signal == SIGUSR1 ? "the local reset is held" : "the local reset is let go");
+                say_it(*signal == SIGUSR1 ? "the local reset is held" : "the local reset is let go");
             } else {
-                say("asked to stop: all red first");
+                say_it("asked to stop: all red first");
                 stopping_ = true;
                 elmopp_controller_stop(&controller());
                 done_ = bus_clock_ || elmopp_controller_has_stopped(&controller());
@@ -206,8 +206,8 @@ class Program {
         time_link_ = link;
     }
 
-    /// In lockstep nothing may be lost, and the LampCommand, first of a tick's frames, goes last: whoever waits for it has
-    /// then heard everything, the exact values after the rounded ones of Forecast.
+    /// In lockstep nothing may be lost, and the LampCommand, first of a tick's frames, goes last: whoever waits for it
+    /// has then heard everything, the exact values after the rounded ones of Forecast.
     void answer(const elmopp_frame_t *frames, std::uint32_t count, bool decided) {
         std::array<elmopp_frame_t, ELMOPP_TRACE_MAX> trace{};
         const std::uint32_t values =
@@ -297,9 +297,25 @@ void check_weights(const Request &request, const elmopp_junction_t &junction, co
     }
 }
 
-int run(int argc, char **argv) {
-    Request request;
-    CLI::App app{"elmopp-controller: runs the signals of one junction over a CAN bus."};
+void run(const Request &request) {
+    const elmopp_junction_t junction = read_site(request.site);
+    check_request(request, junction);
+    std::unique_ptr<elmopp_weights_t> given;
+    if (!request.weights.empty()) {
+        given = std::make_unique<elmopp_weights_t>(read_weights(request.weights));
+        check_weights(request, junction, *given);
+    }
+    if (const std::string warning = check_can(request.can); !warning.empty()) {
+        say_it(warning);
+    }
+    Program program(request, junction, weights_of(junction, given.get()));
+    (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
+    program.run();
+    say_it("stopped; " + std::to_string(program.missed()) + " lamp ticks were missed");
+}
+
+void add_options(CLI::App &app, Request &request) {
+    app.description("elmopp-controller: runs the signals of one junction over a CAN bus.");
     app.footer("SIGTERM: all red, then the end. SIGUSR1 and SIGUSR2: the local reset input is held, and let go.\n"
                "Exit codes: 0 stopped as asked, 1 it ran and failed, 2 the request cannot be run (one line says why).\n"
                "Start with: elmopp-controller --can vcan0 --site sites/four_way.toml");
@@ -310,41 +326,14 @@ int run(int argc, char **argv) {
         ->type_name("NAME")
         ->capture_default_str();
     app.add_option("--log", request.log, "Decision log to append to, JSON lines")->type_name("FILE");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success &success) {
-        return app.exit(success);
-    } catch (const CLI::ParseError &error) {
-        throw BadRequest(std::string(error.what()) + " (elmopp-controller --help)");
-    }
-    const elmopp_junction_t junction = read_site(request.site);
-    check_request(request, junction);
-    std::unique_ptr<elmopp_weights_t> given;
-    if (!request.weights.empty()) {
-        given = std::make_unique<elmopp_weights_t>(read_weights(request.weights));
-        check_weights(request, junction, *given);
-    }
-    if (const std::string warning = check_can(request.can); !warning.empty()) {
-        say(warning);
-    }
-    Program program(request, junction, weights_of(junction, given.get()));
-    (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
-    program.run();
-    say("stopped; " + std::to_string(program.missed()) + " lamp ticks were missed");
-    return 0;
 }
 
 } // namespace
 } // namespace elmopp
 
 int main(int argc, char **argv) {
-    try {
-        return elmopp::run(argc, argv);
-    } catch (const elmopp::BadRequest &error) {
-        elmopp::say(error.what());
-        return elmopp::exit_bad_request;
-    } catch (const std::exception &error) {
-        elmopp::say(error.what());
-        return elmopp::exit_failed;
-    }
+    elmopp::Request request;
+    return elmopp::run_program(
+        elmopp::program_name, argc, argv, [&request](CLI::App &app) { elmopp::add_options(app, request); },
+        [&request] { elmopp::run(request); });
 }

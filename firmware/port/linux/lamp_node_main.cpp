@@ -8,6 +8,7 @@
 #include "can_interface.hpp"
 #include "can_socket.hpp"
 #include "error.hpp"
+#include "program.hpp"
 #include "sites.hpp"
 #include "wakeups.hpp"
 
@@ -26,8 +27,7 @@ extern "C" {
 namespace elmopp {
 namespace {
 
-constexpr int exit_failed = 1;
-constexpr int exit_bad_request = 2;
+const char *const program_name = "elmopp-lamp-node";
 constexpr std::uint32_t step_ms = 20; ///< so much later than its time-out it may flash
 constexpr unsigned frames_between_looks = 64;
 
@@ -38,8 +38,8 @@ struct Request {
     std::vector<std::string> breaks;
 };
 
-void say(const std::string &text) {
-    std::cerr << "elmopp-lamp-node: " + text + "\n";
+void say_it(const std::string &text) {
+    say(program_name, text);
 }
 
 bool is_same(const elmopp_lamps_t &a, const elmopp_lamps_t &b) {
@@ -97,7 +97,7 @@ class Program {
         for (std::uint32_t g = 0; g < junction_.group_count; ++g) {
             digits += static_cast<char>('0' + elmopp_lamps_aspect(&burning, g));
         }
-        std::cout << now_ms - start_ms_ << " " << digits << (node_.fail_safe ? " by itself" : "") << std::endl;
+        std::cout << now_ms - start_ms_ << " " << digits << (node_.fail_safe ? " by itself\n" : "\n") << std::flush;
         last_ = burning;
         last_fail_safe_ = node_.fail_safe;
         shown_ = true;
@@ -133,9 +133,27 @@ void check_node(const Request &request, const elmopp_junction_t &junction) {
                      " hangs on it; right would be one of " + nodes);
 }
 
-int run(int argc, char **argv) {
-    Request request;
-    CLI::App app{"elmopp-lamp-node: holds the lamps of a junction as a controller commands over a CAN bus."};
+void run(const Request &request) {
+    const elmopp_junction_t junction = read_site(request.site);
+    if (junction.simulation_only != 0) {
+        throw BadRequest("--site " + request.site +
+                         ": is simulation_only and never drives lamps; right would be a site "
+                         "with amber and intergreens, such as sites/four_way.toml");
+    }
+    check_node(request, junction);
+    std::vector<Breakage> breaks;
+    breaks.reserve(request.breaks.size());
+    for (const auto &text : request.breaks) {
+        breaks.push_back(parse_breakage(text, junction));
+    }
+    if (const std::string warning = check_can(request.can); !warning.empty()) {
+        say_it(warning);
+    }
+    Program(request, junction, breaks).run();
+}
+
+void add_options(CLI::App &app, Request &request) {
+    app.description("elmopp-lamp-node: holds the lamps of a junction as a controller commands over a CAN bus.");
     app.footer(
         "Prints what burns: milliseconds since the start, one digit a signal group (0 dark, 1 red, 2 red-amber,\n"
         "3 green, 4 amber, 5 flashing amber, 6 flashing red), \"by itself\" while nobody good commands.\n"
@@ -145,42 +163,14 @@ int run(int argc, char **argv) {
     app.add_option("--node", request.node, "Number of the node")->type_name("N")->capture_default_str();
     app.add_option("--break", request.breaks, "stuck:GROUP:ASPECT@MS, lose:COUNT@MS or late:DELAY_MS@MS; repeatable")
         ->type_name("WHAT");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success &success) {
-        return app.exit(success);
-    } catch (const CLI::ParseError &error) {
-        throw BadRequest(std::string(error.what()) + " (elmopp-lamp-node --help)");
-    }
-    const elmopp_junction_t junction = read_site(request.site);
-    if (junction.simulation_only != 0) {
-        throw BadRequest("--site " + request.site +
-                         ": is simulation_only and never drives lamps; right would be a site "
-                         "with amber and intergreens, such as sites/four_way.toml");
-    }
-    check_node(request, junction);
-    std::vector<Breakage> breaks;
-    for (const auto &text : request.breaks) {
-        breaks.push_back(parse_breakage(text, junction));
-    }
-    if (const std::string warning = check_can(request.can); !warning.empty()) {
-        say(warning);
-    }
-    Program(request, junction, breaks).run();
-    return 0;
 }
 
 } // namespace
 } // namespace elmopp
 
 int main(int argc, char **argv) {
-    try {
-        return elmopp::run(argc, argv);
-    } catch (const elmopp::BadRequest &error) {
-        elmopp::say(error.what());
-        return elmopp::exit_bad_request;
-    } catch (const std::exception &error) {
-        elmopp::say(error.what());
-        return elmopp::exit_failed;
-    }
+    elmopp::Request request;
+    return elmopp::run_program(
+        elmopp::program_name, argc, argv, [&request](CLI::App &app) { elmopp::add_options(app, request); },
+        [&request] { elmopp::run(request); });
 }

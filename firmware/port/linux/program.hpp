@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// What every program of this port does alike: arguments in, exit code and one line on stderr out.
+
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace CLI {
+class App;
+} // namespace CLI
+
+namespace elmopp {
+
+/// One line on stderr, whatever the text holds.
+void say(const std::string &program, std::string text);
+
+/// Parses the arguments into the options that `describe` adds, then runs `body`. Exit codes: 0 done, or help was asked
+/// for; 1 it ran and failed; 2 the request cannot be run. Never throws.
+int run_program(const std::string &program, int argc, char **argv, const std::function<void(CLI::App &)> &describe,
+                const std::function<void()> &body) noexcept;
+
+} // namespace elmopp
