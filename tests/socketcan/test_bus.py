@@ -144,6 +144,11 @@ def test_controller_and_node_start_run_and_stop_at_red() -> None:
         with lamp_node(name) as node, controller(name) as program:
             bus.mode(STEADY)
             bus.until(LAMP_COMMAND, lambda frame: 3 in frame.aspects, 20.0, "a green")
+            words = [str(PROGRAMS / "elmopp-monitor-tool"), "--can", name, "--site", SITE, "--once"]
+            seen = subprocess.run(words, capture_output=True, text=True, check=True, timeout=30, cwd=ROOT).stdout
+            assert "four_way on go0\ncontroller  fixed time" in seen
+            assert "GREEN" in seen and "camera silent" in seen and "node silent" not in seen
+            bus.clear()
             program.ask(signal.SIGTERM)
             assert program.ends() == 0
             last = [frame for frame in bus.hear(0.2) if frame.id == LAMP_COMMAND][-1]

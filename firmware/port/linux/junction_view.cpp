@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "junction_view.hpp"
+
+#include "bus_log.hpp"
+
+extern "C" {
+#include "elmopp_can.h"
+}
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+
+namespace elmopp {
+namespace {
+
+constexpr double tenth = 0.1;
+
+const std::array<const char *, ELMOPP_ASPECT_COUNT + 1> aspect_words{
+    "dark", "red", "red-amber", "GREEN", "amber", "flashing amber", "flashing red", "no aspect"};
+
+const std::array<const char *, 13> reason_words{"ok",           "learning", "black", "white", "frozen",
+                                                "blurred",      "covered",  "moved", "lost",  "no activity",
+                                                "max presence", "erratic",  "stale"};
+
+const std::array<const char *, 12> model_words{"none",
+                                               "mean",
+                                               "persistence",
+                                               "ewma",
+                                               "ar8",
+                                               "lstm",
+                                               "nlstm",
+                                               "?",
+                                               "given",
+                                               "mean (cold)",
+                                               "mean (no weights)",
+                                               "mean (distrusted)"};
+
+template <typename Words> std::string word_of(const Words &words, unsigned number) {
+    return number < words.size() ? words.at(number) : "?";
+}
+
+std::string padded(std::string text, std::size_t width) {
+    text.resize(std::max(text.size() + 1, width), ' ');
+    return text;
+}
+
+std::string fixed(double value) {
+    std::array<char, 32> text{};
+    (void)std::snprintf(text.data(), text.size(), "%.1f", value);
+    return text.data();
+}
+
+/// Whole and made for its id; in which order frames came is no matter to somebody who looks on.
+bool is_whole(const elmopp_frame_t &frame) {
+    elmopp_link_t nobody;
+    elmopp_link_init(&nobody);
+    return elmopp_link_take(&nobody, &frame, frame.id, 0) == ELMOPP_LINK_OK;
+}
+
+} // namespace
+
+void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
+    const unsigned node = frame.id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
+    const unsigned camera = frame.id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID;
+    const unsigned approach = frame.id - ELMOPP_CAN_FORECAST_FRAME_ID;
+    const bool command = frame.id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID;
+    const bool status = frame.id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID;
+    const bool ours =
+        command || status || node < ELMOPP_NODE_MAX || camera < ELMOPP_APPROACH_MAX || approach < ELMOPP_APPROACH_MAX;
+    if (!ours) {
+        return;
+    }
+    elmopp_lamps_t lamps{};
+    if (!is_whole(frame) || (command && !elmopp_frames_lamps(&frame, &lamps))) {
+        ++spoilt_;
+    } else if (command) {
+        lamps_.set(lamps, now_ms);
+    } else if (status) {
+        hear_status(frame, now_ms);
+    } else if (node < ELMOPP_NODE_MAX) {
+        feedback_.at(node).set(elmopp_frames_feedback(&frame), now_ms);
+    } else if (camera < ELMOPP_APPROACH_MAX) {
+        Counts counts{};
+        counts.reason = elmopp_frames_counts(&frame, counts.report.data());
+        counts_.at(camera).set(counts, now_ms);
+    } else {
+        hear_forecast(frame, approach, now_ms);
+    }
+}
+
+void JunctionView::hear_status(const elmopp_frame_t &frame, std::uint32_t now_ms) {
+    elmopp_can_controller_status_t status{};
+    (void)elmopp_can_controller_status_unpack(&status, std::begin(frame.data), ELMOPP_LINK_BYTES);
+    status_.set({static_cast<elmopp_mode_t>(status.mode), status.stage, status.elapsed_ds,
+                 static_cast<elmopp_fault_t>(status.first_fault), status.fault_group, status.refused},
+                now_ms);
+}
+
+void JunctionView::hear_forecast(const elmopp_frame_t &frame, unsigned approach, std::uint32_t now_ms) {
+    elmopp_can_forecast_t forecast{};
+    (void)elmopp_can_forecast_unpack(&forecast, std::begin(frame.data), ELMOPP_LINK_BYTES);
+    forecast_.at(approach).set(
+        {forecast.model, {forecast.next10 * tenth, forecast.next30 * tenth, forecast.next60 * tenth}}, now_ms);
+}
+
+std::string JunctionView::status_line(std::uint32_t now_ms) const {
+    if (!status_.is_fresh(now_ms, ELMOPP_CAN_CONTROLLER_STATUS_CYCLE_TIME_MS)) {
+        return "controller  silent";
+    }
+    const Status &status = status_.value;
+    std::string text = std::string("controller  ") + mode_name(status.mode);
+    if (status.stage < junction_.stage_count) {
+        text += ", stage " + std::to_string(status.stage) + " for " + fixed(status.elapsed_ds * tenth) + " s";
+    }
+    if (status.fault != ELMOPP_FAULT_NONE) {
+        text += std::string(", FAULT ") + elmopp_fault_name(status.fault);
+        text += status.fault_group < junction_.group_count
+                    ? std::string(" at ") + junction_.group[status.fault_group].name
+                    : "";
+    }
+    return text + ", refused " + std::to_string(status.refused);
+}
+
+std::string JunctionView::lamps_line(std::uint32_t now_ms) const {
+    std::string text = "lamps      ";
+    if (!lamps_.is_fresh(now_ms, ELMOPP_CAN_LAMP_COMMAND_CYCLE_TIME_MS)) {
+        return text + " nobody commands";
+    }
+    constexpr unsigned burns = 7; // the bits of LampFeedback
+    for (std::uint32_t g = 0; g < junction_.group_count; ++g) {
+        const auto &node = feedback_.at(junction_.group[g].node);
+        text += std::string(" ") + junction_.group[g].name + " " +
+                word_of(aspect_words, elmopp_lamps_aspect(&lamps_.value, g));
+        if (!node.is_fresh(now_ms, ELMOPP_CAN_LAMP_FEEDBACK_CYCLE_TIME_MS)) {
+            text += " (node silent)";
+        } else if (node.value.own_fail_safe) {
+            text += " (node flashes by itself)";
+        } else if (((elmopp_lamps_bits(&node.value.lamps, g) ^ elmopp_lamps_bits(&lamps_.value, g)) & burns) != 0) {
+            text += " (shows otherwise)";
+        }
+        text += g + 1U < junction_.group_count ? "," : "";
+    }
+    return text;
+}
+
+std::string JunctionView::counts_of(std::uint32_t approach, std::uint32_t now_ms) const {
+    if (!elmopp_mask_has(junction_.cameras, approach)) {
+        return "no camera";
+    }
+    const auto &heard = counts_.at(approach);
+    if (!heard.is_fresh(now_ms, ELMOPP_CAN_DETECTOR_COUNTS_CYCLE_TIME_MS)) {
+        return "camera silent";
+    }
+    std::string text = heard.value.reason == 0 ? "" : "camera " + word_of(reason_words, heard.value.reason) + " ";
+    std::size_t slot = 0;
+    for (std::uint32_t j = 0; j < junction_.movement_count; ++j) {
+        if (junction_.movement[j].approach == approach) {
+            const elmopp_detector_report_t &report = heard.value.report.at(slot++);
+            const bool known = report.valid && report.present_veh != ELMOPP_DETECTOR_UNKNOWN;
+            text += (text.empty() ? "" : " ") + std::string(junction_.movement[j].name) + " " +
+                    (known ? std::to_string(report.present_veh) : "?");
+        }
+    }
+    return text;
+}
+
+std::string JunctionView::forecast_of(std::uint32_t approach, std::uint32_t now_ms) const {
+    const auto &heard = forecast_.at(approach);
+    if (!heard.is_fresh(now_ms, ELMOPP_CAN_FORECAST_CYCLE_TIME_MS)) {
+        return "no forecast";
+    }
+    const auto &next = heard.value.next_veh;
+    return word_of(model_words, heard.value.model) + " " + fixed(next[0]) + " " + fixed(next[1]) + " " + fixed(next[2]);
+}
+
+std::string JunctionView::approach_line(std::uint32_t approach, std::uint32_t now_ms) const {
+    constexpr std::size_t name_width = 12;
+    constexpr std::size_t counts_width = 28;
+    return padded(junction_.approach_name[approach], name_width) + padded(counts_of(approach, now_ms), counts_width) +
+           forecast_of(approach, now_ms);
+}
+
+std::vector<std::string> JunctionView::lines(std::uint32_t now_ms) const {
+    std::vector<std::string> all{status_line(now_ms), lamps_line(now_ms),
+                                 "approach    vehicles there              next 10, 30, 60 s"};
+    for (std::uint32_t i = 0; i < junction_.approach_count; ++i) {
+        all.push_back(approach_line(i, now_ms));
+    }
+    if (spoilt_ > 0) {
+        all.push_back("spoilt frames: " + std::to_string(spoilt_));
+    }
+    return all;
+}
+
+} // namespace elmopp

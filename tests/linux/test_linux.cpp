@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+// What the port to Linux decides without a socket: what somebody who looks on is told, and what a node breaks.
+
+#include "breakage.hpp"
+#include "error.hpp"
+#include "junction_view.hpp"
+
+extern "C" {
+#include "bench.h"
+#include "elmopp_can.h"
+#include "unity.h"
+}
+
+#include <algorithm>
+#include <cstring>
+
+void setUp(void) {}
+void tearDown(void) {}
+
+namespace {
+
+using elmopp::Breakage;
+using elmopp::Broken;
+using elmopp::JunctionView;
+
+elmopp_junction_t three_groups() {
+    elmopp_junction_t site = bench_cross(3);
+    for (unsigned g = 0; g < site.group_count; ++g) {
+        std::strcpy(site.group[g].name, ("G" + std::to_string(g)).c_str());
+    }
+    return site;
+}
+
+bool has(const std::vector<std::string> &lines, const std::string &words) {
+    return std::any_of(lines.begin(), lines.end(),
+                       [&words](const std::string &line) { return line.find(words) != std::string::npos; });
+}
+
+void expect(const JunctionView &view, std::uint32_t now_ms, const std::vector<std::string> &words) {
+    const auto lines = view.lines(now_ms);
+    std::string all;
+    for (const auto &line : lines) {
+        all += line + "\n";
+    }
+    for (const auto &word : words) {
+        TEST_ASSERT_TRUE_MESSAGE(has(lines, word), (word + " is not in\n" + all).c_str());
+    }
+}
+
+JunctionView *listener = nullptr;
+bench_t bench;
+
+void hear(const elmopp_frame_t *frame) {
+    listener->hear(*frame, bench.now_ms);
+}
+
+bench_fate_t overhear(void * /*state*/, const elmopp_frame_t *frame) {
+    listener->hear(*frame, bench.now_ms);
+    return BENCH_PASS;
+}
+
+/// A junction of three approaches in automatic mode, overheard from both sides.
+void start(const elmopp_junction_t &site, JunctionView &view) {
+    listener = &view;
+    bench_start(&bench, &site);
+    bench.heard = hear;
+    bench.fate = overhear;
+    bench_fill(&bench);
+    TEST_ASSERT_TRUE(bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 600));
+    bench_ticks(&bench, 40);
+}
+
+void test_nobody_on_the_bus_is_silence() {
+    const elmopp_junction_t site = three_groups();
+    const JunctionView view(site);
+    expect(view, 5000, {"controller  silent", "nobody commands", "camera silent", "no forecast"});
+}
+
+void test_a_running_junction_reads_as_english() {
+    const elmopp_junction_t site = three_groups();
+    JunctionView view(site);
+    start(site, view);
+    expect(view, bench.now_ms, {"controller  automatic", "G0 ", "GREEN", "G1 ", "red", "none 0.0 0.0 0.0"});
+    const std::string waiting = std::to_string(bench.present_veh[1]);
+    expect(view, bench.now_ms, {std::string(site.movement[1].name) + " " + waiting});
+    TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "silent"));
+    TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "shows otherwise"));
+    TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "spoilt"));
+    expect(view, bench.now_ms + 3000, {"controller  silent", "nobody commands", "camera silent", "no forecast"});
+}
+
+void test_what_is_wrong_is_said() {
+    const elmopp_junction_t site = three_groups();
+    JunctionView view(site);
+    start(site, view);
+    bench.cameras_blind = 1;
+    bench.broken.red = 0x7;
+    bench_ticks(&bench, 12);
+    expect(view, bench.now_ms, {"fail-safe, FAULT feedback differs at G", "camera black", "?"});
+    bench.nodes_silent = 0xFF;
+    bench_ticks(&bench, 10);
+    expect(view, bench.now_ms, {"fail-safe", "flashing amber", "(node silent)"});
+    bench.nodes_silent = 0;
+    bench.own_fail_safe = true;
+    bench_ticks(&bench, 2);
+    expect(view, bench.now_ms, {"(node flashes by itself)"});
+}
+
+void test_spoilt_frames_are_counted_and_change_nothing() {
+    const elmopp_junction_t site = three_groups();
+    JunctionView view(site);
+    start(site, view);
+    const auto before = view.lines(bench.now_ms);
+    elmopp_frame_t frame{ELMOPP_CAN_LAMP_COMMAND_FRAME_ID, 8, {}};
+    view.hear(frame, bench.now_ms);
+    frame.id = 0x7FF;
+    view.hear(frame, bench.now_ms);
+    auto after = view.lines(bench.now_ms);
+    TEST_ASSERT_EQUAL_STRING("spoilt frames: 1", after.back().c_str());
+    after.pop_back();
+    TEST_ASSERT_TRUE(before == after);
+}
+
+void refuse(const char *text) {
+    const elmopp_junction_t site = three_groups();
+    try {
+        (void)elmopp::parse_breakage(text, site);
+    } catch (const elmopp::BadRequest &error) {
+        TEST_ASSERT_NOT_NULL(std::strstr(error.what(), "right would be"));
+        return;
+    }
+    TEST_FAIL_MESSAGE(text);
+}
+
+void test_breakages_are_read_and_others_refused() {
+    const elmopp_junction_t site = three_groups();
+    const Breakage stuck = elmopp::parse_breakage("stuck:2:green@1500", site);
+    TEST_ASSERT_EQUAL_UINT32(2, stuck.group);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_ASPECT_GREEN, stuck.aspect);
+    TEST_ASSERT_EQUAL_UINT32(1500, stuck.at_ms);
+    const Breakage named = elmopp::parse_breakage(std::string("stuck:") + site.group[1].name + ":4@0", site);
+    TEST_ASSERT_EQUAL_UINT32(1, named.group);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_ASPECT_AMBER, named.aspect);
+    TEST_ASSERT_EQUAL_UINT32(7, elmopp::parse_breakage("lose:7@1", site).count);
+    TEST_ASSERT_EQUAL_UINT32(40, elmopp::parse_breakage("late:40@1", site).delay_ms);
+    for (const char *const text :
+         {"", "@", "stuck@1", "stuck:0@1", "stuck:3:green@1", "stuck:0:blue@1", "stuck:0:7@1", "stuck:0:green",
+          "lose:0@1", "lose:1.5@1", "lose:1@-1", "late:0@1", "late:1@x", "melt:1@1", "lose:1:2@1"}) {
+        refuse(text);
+    }
+}
+
+elmopp_frame_t numbered(std::uint8_t number) {
+    return {0x90, 8, {number}};
+}
+
+void test_a_node_loses_and_delays_what_it_was_told_to() {
+    Broken lossy({{Breakage::Kind::lose, 0, ELMOPP_ASPECT_DARK, 2, 0, 200}});
+    TEST_ASSERT_EQUAL_size_t(1, lossy.pass_on(numbered(0), 199).size());
+    TEST_ASSERT_EQUAL_size_t(0, lossy.pass_on(numbered(1), 200).size());
+    TEST_ASSERT_EQUAL_size_t(0, lossy.pass_on(numbered(2), 300).size());
+    TEST_ASSERT_EQUAL_size_t(1, lossy.pass_on(numbered(3), 400).size());
+    Broken slow({{Breakage::Kind::late, 0, ELMOPP_ASPECT_DARK, 0, 150, 100}});
+    TEST_ASSERT_EQUAL_size_t(1, slow.pass_on(numbered(0), 0).size());
+    TEST_ASSERT_EQUAL_size_t(0, slow.pass_on(numbered(1), 100).size());
+    TEST_ASSERT_EQUAL_size_t(0, slow.pass_on(numbered(2), 200).size());
+    const auto late = slow.pass_on(numbered(3), 300);
+    TEST_ASSERT_EQUAL_size_t(1, late.size());
+    TEST_ASSERT_EQUAL_UINT8(1, late.front().data[0]);
+}
+
+void test_a_stuck_lamp_burns_from_its_time_on() {
+    const Broken broken({{Breakage::Kind::stuck, 1, ELMOPP_ASPECT_GREEN, 0, 0, 500}});
+    const elmopp_lamps_t red{0x3, 0, 0, 0};
+    TEST_ASSERT_EQUAL_HEX16(0, broken.burning(red, 499).green);
+    TEST_ASSERT_EQUAL_HEX16(0x2, broken.burning(red, 500).green);
+    TEST_ASSERT_EQUAL_HEX16(0x1, broken.burning(red, 500).red);
+}
+
+} // namespace
+
+int main() {
+    UNITY_BEGIN();
+    RUN_TEST(test_nobody_on_the_bus_is_silence);
+    RUN_TEST(test_a_running_junction_reads_as_english);
+    RUN_TEST(test_what_is_wrong_is_said);
+    RUN_TEST(test_spoilt_frames_are_counted_and_change_nothing);
+    RUN_TEST(test_breakages_are_read_and_others_refused);
+    RUN_TEST(test_a_node_loses_and_delays_what_it_was_told_to);
+    RUN_TEST(test_a_stuck_lamp_burns_from_its_time_on);
+    return UNITY_END();
+}
