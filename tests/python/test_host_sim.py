@@ -357,8 +357,8 @@ def test_an_interrupted_experiment_leaves_nothing(tmp_path: Path, number: signal
 
 OPTIONS = {
     "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split",
-    "run": "profile site chooser vehicles trial trace weights seconds log full summary link clock integrator seed mapping "
-    "split",
+    "run": "profile site chooser vehicles trial trace weights seconds log full summary link clock integrator seed "
+    "mapping split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",
     "accuracy": "trials seed jobs weights json",
     "bench": "json forecast-only",
