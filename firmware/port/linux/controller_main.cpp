@@ -332,8 +332,5 @@ void add_options(CLI::App &app, Request &request) {
 } // namespace elmopp
 
 int main(int argc, char **argv) {
-    elmopp::Request request;
-    return elmopp::run_program(
-        elmopp::program_name, argc, argv, [&request](CLI::App &app) { elmopp::add_options(app, request); },
-        [&request] { elmopp::run(request); });
+    return elmopp::run_program(elmopp::program_name, argc, argv, elmopp::add_options, elmopp::run);
 }

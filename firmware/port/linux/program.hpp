@@ -22,4 +22,12 @@ void say(const std::string &program, std::string text);
 int run_program(const std::string &program, int argc, char **argv, const std::function<void(CLI::App &)> &describe,
                 const std::function<void()> &body) noexcept;
 
+/// The same with a request that the options fill in and the body runs.
+template <typename Request>
+int run_program(const std::string &program, int argc, char **argv, void (*describe)(CLI::App &, Request &),
+                void (*body)(const Request &)) noexcept {
+    Request request;
+    return run_program(program, argc, argv, [&](CLI::App &app) { describe(app, request); }, [&] { body(request); });
+}
+
 } // namespace elmopp
