@@ -156,7 +156,10 @@ class Program:
         self.name = name
         self.said = OUT / f"{name}-{time.monotonic_ns()}.txt"
         with self.said.open("wb") as out:
-            self.process = subprocess.Popen([str(PROGRAMS / name), *words], stdout=out, stderr=out, cwd=ROOT)
+            # As the unit file runs it; in lockstep nobody is late.
+            urgent = [] if "bus" in words or os.geteuid() != 0 else ["chrt", "--fifo", "50"]
+            command = [*urgent, str(PROGRAMS / name), *words]
+            self.process = subprocess.Popen(command, stdout=out, stderr=out, cwd=ROOT)
 
     def text(self) -> str:
         """Everything said so far."""
@@ -168,6 +171,11 @@ class Program:
         while words not in self.text():
             assert time.monotonic() < end, f'{self.name} did not say "{words}" within {seconds} s but:\n{self.text()}'
             time.sleep(0.02)
+
+    def cpu_s(self) -> float:
+        """Processor time that it has used."""
+        words = Path(f"/proc/{self.process.pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
     def ask(self, number: signal.Signals) -> None:
         """Sends a signal."""

@@ -230,8 +230,10 @@ def _digest(file: Path) -> str:
 
 
 def _is_shared(source: Path) -> bool:
-    """Core, sites, weights, test support and Unity; no test and no other program."""
+    """Core, sites, weights, test support and Unity; no port, no test and no other program."""
     parts = source.relative_to(ROOT).parts
+    if parts[:2] == ("firmware", "port"):
+        return False
     return parts[0] in ("firmware", "sites", "weights") or source.name == "unity.c" or "support" in parts
 
 

@@ -20,6 +20,8 @@ extern "C" {
 #include <CLI/CLI.hpp>
 #include <systemd/sd-daemon.h>
 
+#include <sys/mman.h>
+
 #include <csignal>
 #include <iostream>
 #include <string>
@@ -65,6 +67,7 @@ class Program {
                 }
                 (void)elmopp_lamp_node_take(&node_, &*frame);
             }
+            (void)wakeups_.ticks(); // taken, or the next wait would not wait
             pass(monotonic_ms());
         }
         (void)sd_notify(0, "STOPPING=1");
@@ -149,7 +152,9 @@ void run(const Request &request) {
     if (const std::string warning = check_can(request.can); !warning.empty()) {
         say_it(warning);
     }
-    Program(request, junction, breaks).run();
+    Program program(request, junction, breaks);
+    (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
+    program.run();
 }
 
 void add_options(CLI::App &app, Request &request) {
