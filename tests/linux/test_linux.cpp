@@ -82,7 +82,8 @@ void test_a_running_junction_reads_as_english() {
     const elmopp_junction_t site = three_groups();
     JunctionView view(site);
     start(site, view);
-    expect(view, bench.now_ms, {"controller  automatic", "G0 ", "GREEN", "G1 ", "red", "none 0.0 0.0 0.0"});
+    expect(view, bench.now_ms,
+           {"controller  automatic, between stages", "G0 ", "GREEN", "G1 ", "red", "none 0.0 0.0 0.0"});
     const std::string waiting = std::to_string(bench.present_veh[1]);
     expect(view, bench.now_ms, {std::string(site.movement[1].name) + " " + waiting});
     TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "silent"));

@@ -114,6 +114,8 @@ std::string JunctionView::status_line(std::uint32_t now_ms) const {
     std::string text = std::string("controller  ") + mode_name(status.mode);
     if (status.stage < junction_.stage_count) {
         text += ", stage " + std::to_string(status.stage) + " for " + fixed(status.elapsed_ds * tenth) + " s";
+    } else if (elmopp_mode_is_steady(status.mode)) {
+        text += ", between stages";
     }
     if (status.fault != ELMOPP_FAULT_NONE) {
         text += std::string(", FAULT ") + elmopp_fault_name(status.fault);
