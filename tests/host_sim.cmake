@@ -10,7 +10,7 @@ function(elmopp_add_host_sim_test)
     cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;TIMEOUT" "LABELS;LIBS")
     elmopp_add_unity_test(
         NAME ${arg_NAME}
-        SOURCES ${PROJECT_SOURCE_DIR}/tests/host_sim/${arg_NAME}.cpp ${PROJECT_SOURCE_DIR}/host_sim/core_assert.c
+        SOURCES ${PROJECT_SOURCE_DIR}/tests/host_sim/${arg_NAME}.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c
         LIBS host_sim_room ${arg_LIBS}
         LABELS ${arg_LABELS}
         TIMEOUT ${arg_TIMEOUT})
