@@ -247,7 +247,7 @@ def firmware_verdict(tmp_path_factory: pytest.TempPathFactory) -> Callable[[byte
     program = folder / "driver"
     compiler = os.environ.get("CC") or shutil.which("gcc") or "cc"
     rooms = [ROOT / "firmware" / "src" / f"{room}.c" for room in ("site", "image", "junction")]
-    sources = [str(folder / "driver.c"), *map(str, rooms), str(ROOT / "host_sim" / "core_assert.c")]
+    sources = [str(folder / "driver.c"), *map(str, rooms), str(ROOT / "host_files" / "core_assert.c")]
     subprocess.run(
         [compiler, "-std=c11", f"-I{ROOT / 'firmware' / 'include'}", *sources, "-o", str(program)], check=True
     )
