@@ -150,6 +150,16 @@ elmopp_junction_t read_site(const fs::path &file) {
     return load_image(image);
 }
 
+elmopp_junction_t read_street(const fs::path &file) {
+    const elmopp_junction_t junction = read_site(file);
+    if (junction.simulation_only != 0) {
+        throw BadRequest("--site " + file.string() +
+                         ": is simulation_only and never drives lamps; right would be a site with amber and "
+                         "intergreens, such as sites/four_way.toml");
+    }
+    return junction;
+}
+
 std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction_t &junction) {
     const auto group = [&junction](unsigned index) {
         return std::string(junction.group[index % ELMOPP_GROUP_MAX].name);

@@ -39,6 +39,9 @@ ToolResult run_tool(const std::string &name, const std::vector<std::string> &arg
 /// Reads a site image (.bin) or, through tools/site, a site file (.toml). Throws BadRequest with what is wrong.
 elmopp_junction_t read_site(const std::filesystem::path &file);
 
+/// The same of a site that may drive lamps: refuses one that is simulation_only.
+elmopp_junction_t read_street(const std::filesystem::path &file);
+
 /// A verdict in words, naming the groups, movements or stages that it indexes.
 std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction_t &junction);
 

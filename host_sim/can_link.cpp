@@ -47,16 +47,14 @@ void wait_for(const CanSocket &socket, int ms) {
 class Lockstep final : public Link {
   public:
     explicit Lockstep(const std::string &interface) : interface_(interface), socket_(interface, answers()) {
-        send(elmopp_bus_clock_make_time(0)); // begins anew
+        send_time(0); // begins anew
     }
 
     std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t now_ms) override {
         for (const auto &frame : frames) {
-            if (!socket_.send_surely(frame)) {
-                throw Failure("--link can:" + interface_ + ": nothing can be sent");
-            }
+            send(frame);
         }
-        send(elmopp_bus_clock_make_time(now_ms));
+        send_time(now_ms);
         std::vector<elmopp_frame_t> heard;
         const std::uint32_t begun_ms = monotonic_ms();
         while (monotonic_ms() - begun_ms < answer_ms) {
@@ -83,8 +81,13 @@ class Lockstep final : public Link {
     }
 
   private:
-    void send(elmopp_frame_t frame) {
+    void send_time(elmopp_ms_t now_ms) {
+        elmopp_frame_t frame = elmopp_bus_clock_make_time(now_ms);
         elmopp_link_seal(&frame, &counter_);
+        send(frame);
+    }
+
+    void send(const elmopp_frame_t &frame) {
         if (!socket_.send_surely(frame)) {
             throw Failure("--link can:" + interface_ + ": nothing can be sent");
         }

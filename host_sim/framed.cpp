@@ -49,7 +49,7 @@ class Street {
     std::vector<elmopp_frame_t> feedback(const elmopp_lamps_t &lamps, const Link &link) {
         std::vector<elmopp_frame_t> frames;
         for (std::uint32_t n = 0; n < ELMOPP_NODE_MAX; ++n) {
-            const std::uint16_t groups = groups_of(n);
+            const std::uint16_t groups = elmopp_junction_groups_of_node(&junction_, n);
             if (groups != 0 && !link.has_node(n)) {
                 frames.push_back(feedback_of(n, groups, lamps));
                 elmopp_link_seal(&frames.back(), &node_counter_[n]);
@@ -59,14 +59,6 @@ class Street {
     }
 
   private:
-    [[nodiscard]] std::uint16_t groups_of(std::uint32_t node) const {
-        unsigned groups = 0;
-        for (unsigned g = 0; g < junction_.group_count; ++g) {
-            groups |= junction_.group[g].node == node ? 1U << g : 0U;
-        }
-        return static_cast<std::uint16_t>(groups);
-    }
-
     [[nodiscard]] elmopp_frame_t counts_of(std::uint32_t approach, const std::vector<double> &present_veh) const {
         std::array<elmopp_detector_report_t, ELMOPP_APPROACH_MOVEMENT_MAX> report{};
         std::size_t slot = 0;

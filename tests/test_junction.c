@@ -164,6 +164,17 @@ static void test_served_reaches_the_last_movement_and_none_beyond_the_count(void
     TEST_ASSERT_EQUAL_HEX32(0x7FFFFFU, elmopp_junction_served(&junction, 3U));
 }
 
+static void test_nodes_and_their_groups_are_those_of_the_site(void) {
+    elmopp_junction_t junction = test_cross(4U);
+    junction.group[1].node = 7U;
+    junction.group[3].node = 7U;
+    junction.group[5].node = 3U; /* no group of the site */
+    TEST_ASSERT_EQUAL_HEX8(0x81U, elmopp_junction_nodes(&junction));
+    TEST_ASSERT_EQUAL_HEX16(0x5U, elmopp_junction_groups_of_node(&junction, 0U));
+    TEST_ASSERT_EQUAL_HEX16(0xAU, elmopp_junction_groups_of_node(&junction, 7U));
+    TEST_ASSERT_EQUAL_HEX16(0U, elmopp_junction_groups_of_node(&junction, 3U));
+}
+
 /* Every time of a change is in it, whichever group or pair has it: one after the other is made the longest by far. */
 static void test_a_change_holds_every_time_of_every_group_and_pair(void) {
     const uint16_t long_ds = 900U;
@@ -207,6 +218,7 @@ int main(void) {
     RUN_TEST(test_a_movement_goes_when_all_of_its_groups_are_green);
     RUN_TEST(test_served_is_the_mask_of_the_movements_that_go);
     RUN_TEST(test_served_reaches_the_last_movement_and_none_beyond_the_count);
+    RUN_TEST(test_nodes_and_their_groups_are_those_of_the_site);
     RUN_TEST(test_a_change_holds_every_time_of_every_group_and_pair);
     RUN_TEST(test_a_change_holds_the_red_amber_of_a_group_without_conflicts);
     return UNITY_END();

@@ -66,14 +66,6 @@ static void diagnose(elmopp_controller_t *self) {
 
 /* --- set-up --- */
 
-static uint8_t nodes_of(const elmopp_junction_t *junction) {
-    uint8_t nodes = 0U;
-    for (uint32_t g = 0U; g < junction->group_count; g++) {
-        nodes |= (uint8_t)((uint32_t)1U << junction->group[g].node);
-    }
-    return nodes;
-}
-
 static void init_bus(elmopp_bus_t *bus, const elmopp_junction_t *junction) {
     for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
         elmopp_link_init(&bus->camera[i]);
@@ -82,7 +74,7 @@ static void init_bus(elmopp_bus_t *bus, const elmopp_junction_t *junction) {
         elmopp_link_init(&bus->node[n]);
     }
     elmopp_link_init(&bus->command);
-    bus->used_nodes = nodes_of(junction);
+    bus->used_nodes = elmopp_junction_nodes(junction);
 }
 
 void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_config_t *config) {

@@ -37,6 +37,22 @@ bool elmopp_mask_has(uint32_t mask, uint32_t index) {
     return ((mask >> index) & 1U) != 0U;
 }
 
+uint8_t elmopp_junction_nodes(const elmopp_junction_t *junction) {
+    uint32_t nodes = 0U;
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        nodes |= (uint32_t)1U << junction->group[g].node;
+    }
+    return (uint8_t)nodes;
+}
+
+uint16_t elmopp_junction_groups_of_node(const elmopp_junction_t *junction, uint32_t node) {
+    uint32_t groups = 0U;
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        groups |= (junction->group[g].node == node) ? ((uint32_t)1U << g) : 0U;
+    }
+    return (uint16_t)groups;
+}
+
 bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups) {
     ELMOPP_ASSERT(movement < junction->movement_count);
     const uint16_t needed = junction->movement[movement].groups;

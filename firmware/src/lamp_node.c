@@ -22,11 +22,7 @@ void elmopp_lamp_node_init(elmopp_lamp_node_t *self, const elmopp_junction_t *ju
     ELMOPP_ASSERT(node < ELMOPP_NODE_MAX);
     *self = (elmopp_lamp_node_t){.junction = junction, .node = (uint8_t)node, .silent_ms = ELMOPP_LAMP_NODE_TIMEOUT_MS};
     elmopp_link_init(&self->link);
-    uint32_t groups = 0U;
-    for (uint32_t g = 0U; g < junction->group_count; g++) {
-        groups |= (junction->group[g].node == node) ? ((uint32_t)1U << g) : 0U;
-    }
-    self->groups = (uint16_t)groups;
+    self->groups = elmopp_junction_groups_of_node(junction, node);
     flash(self);
 }
 

@@ -166,6 +166,10 @@ float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t move
 /// True if bit `index` of a mask of groups, movements or stages is set.
 bool elmopp_mask_has(uint32_t mask, uint32_t index);
 
+/// Mask of the lamp nodes that a group of the site hangs on, and mask of the groups that hang on one of them.
+uint8_t elmopp_junction_nodes(const elmopp_junction_t *junction);
+uint16_t elmopp_junction_groups_of_node(const elmopp_junction_t *junction, uint32_t node);
+
 /// True if all of the movement's signal groups are in the mask.
 bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups);
 

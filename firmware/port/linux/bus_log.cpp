@@ -3,10 +3,10 @@
 
 #include "bus_log.hpp"
 
+#include "program.hpp"
 #include "wakeups.hpp"
 
 #include <array>
-#include <iostream>
 #include <utility>
 
 namespace elmopp {
@@ -22,20 +22,18 @@ const char *mode_name(elmopp_mode_t mode) {
 BusLog::BusLog(std::string program, std::string interface)
     : program_(std::move(program)), interface_(std::move(interface)) {}
 
-void BusLog::say(const std::string &text) const {
-    std::cerr << program_ + ": " + text + "\n";
-}
-
-void BusLog::look(elmopp_mode_t mode, elmopp_fault_t fault, const CanTroubles &troubles) {
+bool BusLog::look(elmopp_mode_t mode, elmopp_fault_t fault, const CanTroubles &troubles) {
     std::string status = std::string("mode ") + mode_name(mode);
     if (fault != ELMOPP_FAULT_NONE) {
         status += std::string(", fault ") + elmopp_fault_name(fault) + " (" + std::to_string(fault) + ")";
     }
-    if (status != status_) {
+    const bool news = status != status_;
+    if (news) {
         status_ = status;
-        say(status_);
+        say(program_, status_);
     }
     look_at_bus(troubles);
+    return news;
 }
 
 void BusLog::look_at_bus(const CanTroubles &troubles) {
@@ -62,7 +60,7 @@ void BusLog::look_at_bus(const CanTroubles &troubles) {
     if (!text.empty() && now_ms - said_ms_ >= pause_ms) {
         said_ = troubles;
         said_ms_ = now_ms;
-        say(interface_ + ": " + text + " since the start");
+        say(program_, interface_ + ": " + text + " since the start");
     }
 }
 

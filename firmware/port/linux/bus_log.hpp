@@ -23,8 +23,9 @@ class BusLog {
   public:
     BusLog(std::string program, std::string interface);
 
-    /// Says what has changed since the last look; of troubles on the bus at most one line a second.
-    void look(elmopp_mode_t mode, elmopp_fault_t fault, const CanTroubles &troubles);
+    /// Says what has changed since the last look; of troubles on the bus at most one line a second. True if the status
+    /// is another one.
+    bool look(elmopp_mode_t mode, elmopp_fault_t fault, const CanTroubles &troubles);
 
     /// The same in one line.
     [[nodiscard]] const std::string &status() const {
@@ -32,7 +33,6 @@ class BusLog {
     }
 
   private:
-    void say(const std::string &text) const;
     void look_at_bus(const CanTroubles &troubles);
 
     std::string program_;

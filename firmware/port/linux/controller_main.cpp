@@ -66,10 +66,7 @@ std::vector<std::uint16_t> wanted_ids(const elmopp_junction_t &junction, bool bu
             add(ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID, i);
         }
     }
-    std::uint32_t nodes = 0;
-    for (unsigned g = 0; g < junction.group_count; ++g) {
-        nodes |= 1U << junction.group[g].node;
-    }
+    const std::uint32_t nodes = elmopp_junction_nodes(&junction);
     for (unsigned n = 0; n < ELMOPP_NODE_MAX; ++n) {
         if (elmopp_mask_has(nodes, n)) {
             add(ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID, n);
@@ -128,7 +125,7 @@ class Program {
         : bus_clock_(request.clock == "bus"), junction_(junction), weights_(weights), log_(request.log),
           socket_(request.can, wanted_ids(junction, bus_clock_)),
           wakeups_(bus_clock_ ? 0 : ELMOPP_CONTROLLER_TICK_MS, {SIGTERM, SIGINT, SIGUSR1, SIGUSR2}),
-          station_(std::make_unique<elmopp_station_t>()), reporter_("elmopp-controller", request.can) {
+          station_(std::make_unique<elmopp_station_t>()), reporter_(program_name, request.can) {
         begin();
     }
 
@@ -244,12 +241,11 @@ class Program {
     }
 
     void tell_service() {
-        reporter_.look(controller().mode, controller().fault, socket_.troubles());
+        const bool news = reporter_.look(controller().mode, controller().fault, socket_.troubles());
         (void)sd_notify(0, ready_ ? "WATCHDOG=1" : "READY=1\nWATCHDOG=1");
         ready_ = true;
-        if (const std::string &status = reporter_.status(); status != told_) {
-            told_ = status;
-            (void)sd_notify(0, ("STATUS=" + status).c_str());
+        if (news) {
+            (void)sd_notify(0, ("STATUS=" + reporter_.status()).c_str());
         }
     }
 
@@ -264,20 +260,14 @@ class Program {
     elmopp_link_t time_link_{};
     std::uint8_t trace_counter_ = 0;
     std::uint64_t missed_ = 0;
-    std::string told_;
     bool ready_ = false;
     bool stopping_ = false;
     bool done_ = false;
 };
 
-void check_request(const Request &request, const elmopp_junction_t &junction) {
+void check_clock(const Request &request) {
     if (request.clock != "real" && request.clock != "bus") {
         throw BadRequest("--clock \"" + request.clock + "\": right would be real or bus");
-    }
-    if (junction.simulation_only != 0) {
-        throw BadRequest("--site " + request.site +
-                         ": is simulation_only and never drives lamps; right would be a site "
-                         "with amber and intergreens, such as sites/four_way.toml");
     }
 }
 
@@ -298,8 +288,8 @@ void check_weights(const Request &request, const elmopp_junction_t &junction, co
 }
 
 void run(const Request &request) {
-    const elmopp_junction_t junction = read_site(request.site);
-    check_request(request, junction);
+    const elmopp_junction_t junction = read_street(request.site);
+    check_clock(request);
     std::unique_ptr<elmopp_weights_t> given;
     if (!request.weights.empty()) {
         given = std::make_unique<elmopp_weights_t>(read_weights(request.weights));

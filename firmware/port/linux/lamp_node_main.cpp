@@ -120,29 +120,21 @@ class Program {
 };
 
 void check_node(const Request &request, const elmopp_junction_t &junction) {
+    const std::uint32_t used = elmopp_junction_nodes(&junction);
     std::string nodes;
     for (unsigned n = 0; n < ELMOPP_NODE_MAX; ++n) {
-        for (unsigned g = 0; g < junction.group_count; ++g) {
-            if (junction.group[g].node == n) {
-                nodes += (nodes.empty() ? "" : ", ") + std::to_string(n);
-                if (n == request.node) {
-                    return;
-                }
-                break;
-            }
+        if (elmopp_mask_has(used, n)) {
+            nodes += (nodes.empty() ? "" : ", ") + std::to_string(n);
         }
     }
-    throw BadRequest("--node " + std::to_string(request.node) + ": no group of " + request.site +
-                     " hangs on it; right would be one of " + nodes);
+    if (request.node >= ELMOPP_NODE_MAX || !elmopp_mask_has(used, request.node)) {
+        throw BadRequest("--node " + std::to_string(request.node) + ": no group of " + request.site +
+                         " hangs on it; right would be one of " + nodes);
+    }
 }
 
 void run(const Request &request) {
-    const elmopp_junction_t junction = read_site(request.site);
-    if (junction.simulation_only != 0) {
-        throw BadRequest("--site " + request.site +
-                         ": is simulation_only and never drives lamps; right would be a site "
-                         "with amber and intergreens, such as sites/four_way.toml");
-    }
+    const elmopp_junction_t junction = read_street(request.site);
     check_node(request, junction);
     std::vector<Breakage> breaks;
     breaks.reserve(request.breaks.size());
