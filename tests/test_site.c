@@ -623,6 +623,22 @@ static void test_every_stage_is_maximal(void) {
     expect(ELMOPP_SITE_STAGE_NOT_MAXIMAL, 2U, 3U);
 }
 
+/* Somebody else's signal may have any stages, but they must be compatible, different and not empty as well. */
+static void test_a_simulation_may_have_stages_that_are_not_maximal(void) {
+    make_compatible();
+    site.simulation_only = 1U;
+    site.stage_groups[2] = 0x0008U;
+    site.stage_groups[3] = 0x0004U;
+    site.stage_count = 4U;
+    site.rescue_stage[2] = 3U;
+    site.rescue_stage[3] = 2U;
+    site.program[0].step[3].stage = 3U;
+    expect_ok();
+    site.stage_groups[3] = 0x0008U;
+    site.rescue_stage[2] = 2U;
+    expect(ELMOPP_SITE_STAGE, 3U, 2U);
+}
+
 /* One way to leave each group of a pair out: 0 and 1 may be green together, and so may 2 and 3. */
 static void test_maximality_looks_at_every_group(void) {
     for (uint32_t left_out = 0U; left_out < GROUPS; left_out++) {
@@ -956,6 +972,7 @@ int main(void) {
     RUN_TEST(test_every_group_is_in_a_stage);
     RUN_TEST(test_no_stage_holds_two_groups_that_conflict);
     RUN_TEST(test_every_stage_is_maximal);
+    RUN_TEST(test_a_simulation_may_have_stages_that_are_not_maximal);
     RUN_TEST(test_maximality_looks_at_every_group);
     RUN_TEST(test_a_changed_conflict_bit_of_a_shipped_site_is_found);
     RUN_TEST(test_a_bound_on_red_leaves_time_for_a_change_to_every_rescue_stage_and_one_before);

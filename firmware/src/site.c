@@ -158,7 +158,7 @@ elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, 
     return verdict_of(good, ELMOPP_SITE_INTERGREEN, ending, starting);
 }
 
-/* Compatible groups that are all in the stage, and no further one that would fit. */
+/* Compatible groups, and in a street no further one that would fit. */
 elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction, uint32_t stage) {
     const uint16_t groups = junction->stage_groups[stage];
     if ((groups == 0U) || ((groups & all_groups(junction)) != groups)) {
@@ -176,7 +176,7 @@ elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction,
                 return fault(ELMOPP_SITE_STAGE_CONFLICT, g, h);
             }
         }
-        if ((!elmopp_mask_has(groups, g)) && (clash == 0U)) {
+        if ((junction->simulation_only == 0U) && (!elmopp_mask_has(groups, g)) && (clash == 0U)) {
             return fault(ELMOPP_SITE_STAGE_NOT_MAXIMAL, stage, g);
         }
     }

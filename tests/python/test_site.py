@@ -215,7 +215,7 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "stage twice": ('["a", "c"]]', '["c", "b"]]', ["stages[1] is stage 0 again", '["c", "b"]']),
     "stage missing": (', ["a", "c"]]', "]", ["stages lacks a stage", '["a", "c"]', "all 2"]),
     "stage of nobody": ('["a", "c"]]', '["a", "d"]]', ["stages[1]", '"d"', "a, b, c"]),
-    "stage empty": ('["a", "c"]]', "[]]", ["stages[1] is not maximal", "[]"]),
+    "stage empty": ('["a", "c"]]', "[]]", ["stages[1] is empty", "[]"]),
     "no bound on red": ("red_bound_s = 90\n", "", ["red_bound_s of a street is missing", "(0.0)", "36.6 s to 600.0 s"]),
     "bound on red 0": ("red_bound_s = 90", "red_bound_s = 0", ["red_bound_s of a street is missing", "12.2 s"]),
     "bound on red short": (

@@ -42,10 +42,10 @@ def build_junction(document: Document) -> Junction:
     list_names(document["movements"], "movements", "ELMOPP_MOVEMENT_MAX", MOVEMENT_MAX)
     _check_arithmetic(document)
     conflict = _conflict_masks(document["conflicts"], group_names)
-    stages = _stages(document.get("stages"), conflict, group_names)
+    simulation_only = document.get("simulation_only", False)
+    stages = _stages(document.get("stages"), conflict, group_names, some_will_do=simulation_only)
     movements = tuple(_movement(document, item, approaches, group_names) for item in document["movements"])
     groups = tuple(_group(item) for item in document["groups"])
-    simulation_only = document.get("simulation_only", False)
     rescue = site_hours.rescue_stages(stages, movements)
     programs = site_hours.programs(document.get("programs", []), stages, group_names)
     if not programs and not simulation_only:
@@ -191,25 +191,44 @@ def _intergreen_entry(
     return int(time_ds)
 
 
-def _stages(written: list[list[str]] | None, conflict: Sequence[int], names: Sequence[str]) -> tuple[int, ...]:
-    """The stages: as enumerated, or in the written order if that is the same set."""
+def _stages(
+    written: list[list[str]] | None, conflict: Sequence[int], names: Sequence[str], *, some_will_do: bool
+) -> tuple[int, ...]:
+    """The stages: as enumerated, or as written; a street's must then be the same set, a simulation's need not."""
+    if written is not None and some_will_do:
+        return _written_stages(written, conflict, names, maximal=False)
     enumerated = enumerate_stages(conflict)
     if len(enumerated) > STAGE_MAX:
         wrong = f"has {len(enumerated)} stages, ELMOPP_STAGE_MAX is {STAGE_MAX}"
         raise SiteError(wrong, len(enumerated), "fewer groups: let movements share one, or add conflicts")
     if written is None:
         return tuple(enumerated)
-    order: list[int] = []
-    for index, stage_names in enumerate(written):
-        stage = mask_of(names, stage_names, f"stages[{index}]: group")
-        _check_stage(f"stages[{index}]", stage, stage_names, conflict, names)
-        if stage in order:
-            raise SiteError(f"stages[{index}] is stage {order.index(stage)} again", stage_names, "every stage once")
-        order.append(stage)
+    order = _written_stages(written, conflict, names, maximal=True)
     for stage in enumerated:
         if stage not in order:
             missing = [name for group, name in enumerate(names) if stage >> group & 1]
             raise SiteError("stages lacks a stage", missing, f"all {len(enumerated)} maximal sets, or no stages at all")
+    return order
+
+
+def _written_stages(
+    written: list[list[str]], conflict: Sequence[int], names: Sequence[str], *, maximal: bool
+) -> tuple[int, ...]:
+    order: list[int] = []
+    if len(written) > STAGE_MAX:
+        raise SiteError(f"has {len(written)} stages, ELMOPP_STAGE_MAX is {STAGE_MAX}", len(written), "fewer stages")
+    for index, stage_names in enumerate(written):
+        path = f"stages[{index}]"
+        stage = mask_of(names, stage_names, f"{path}: group")
+        _check_stage(path, stage, stage_names, conflict, names)
+        more = addable_group(conflict, stage)
+        if more is not None and maximal:
+            raise SiteError(
+                f"{path} is not maximal", stage_names, f"{names[more]} conflicts with none of it and belongs in"
+            )
+        if stage in order:
+            raise SiteError(f"{path} is stage {order.index(stage)} again", stage_names, "every stage once")
+        order.append(stage)
     return tuple(order)
 
 
@@ -218,6 +237,5 @@ def _check_stage(path: str, stage: int, shown: list[str], conflict: Sequence[int
     if pair is not None:
         first, second = names[pair[0]], names[pair[1]]
         raise SiteError(f"{path} holds {first} and {second}, which conflict", shown, "only compatible groups")
-    more = addable_group(conflict, stage)
-    if more is not None:
-        raise SiteError(f"{path} is not maximal", shown, f"{names[more]} conflicts with none of it and belongs in")
+    if not stage:
+        raise SiteError(f"{path} is empty", shown, "at least one group")

@@ -4,7 +4,7 @@
 """Says whether a Junction may stand in a street: the rules of elmopp_site_check() in the firmware, in people's words.
 
 A simulation_only site may have zero amber and intergreens, one second of minimum green, no maximum green, no bound on
-red and no programme; all else holds for it too.
+red, no programme, and groups that no movement needs; all else holds for it too.
 """
 
 from elmopp_tools.site_model import (
@@ -134,7 +134,8 @@ def _check_use(junction: Junction) -> None:
         if all(movement.approach != index for movement in junction.movements):
             raise SiteError(f"approach {name} has no movement", name, "at least one movement, or no such approach")
     for index, group in enumerate(junction.groups):
-        if all(not movement.groups >> index & 1 for movement in junction.movements):
+        idle = all(not movement.groups >> index & 1 for movement in junction.movements)
+        if idle and not junction.simulation_only:
             raise SiteError(f"group {group.name} is used by no movement", group.name, "use it, or leave it out")
 
 

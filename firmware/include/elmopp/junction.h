@@ -9,7 +9,8 @@
 ///
 /// Words. An *approach* is a road that leads in (paper: inroad). A *movement* is a lane group: the lanes of one
 /// approach that are served by the same groups in every stage (paper: subedge). A *signal group* is a set of lamps that
-/// always show the same. A *stage* is a maximal set of groups that may be green together (paper: configuration).
+/// always show the same. A *stage* is a set of groups that are green together, in a street a maximal one of those that
+/// may be (paper: configuration).
 ///
 /// The struct is also the body of a site image (site.h), so its layout is fixed: fixed-width members, no implicit
 /// padding, little-endian. Unused rows are zero. Owner: the site file; everybody else holds a const pointer.

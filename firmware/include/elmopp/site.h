@@ -6,11 +6,12 @@
 /// The one predicate that every other room relies on, cut into parts that name what they found, so that a person can be
 /// told and a proof can assume them one by one. It decides nothing about traffic. tools/site judges the same rules a
 /// second time, in the words of the site file, and asks for more, which only a person can get wrong: unique names, an
-/// approach and a group for everything, the complete list of stages (here: each is maximal and different). Tests hold
-/// the two against each other.
+/// approach and a group for everything, a street's complete list of stages (here: each is maximal and different). Tests
+/// hold the two against each other.
 ///
 /// Street rules, which a simulation_only site need not fulfil: amber 3 to 6 s (RiLSA 2015, 2.4; MUTCD 4F.17), a minimum
-/// green of at least 5 s (1 s in simulation), a maximum green, a bound on red and a fixed-time programme.
+/// green of at least 5 s (1 s in simulation), a maximum green, a bound on red, a fixed-time programme and maximal stages:
+/// a simulation may be given the stages that somebody else's signal has.
 ///
 /// In every site the intergreen of a conflicting pair is at least the amber of the group that ends plus the red-amber
 /// of the one that starts; no time is above ELMOPP_SITE_TIME_MAX_DS, so that 16-bit ages that saturate cannot hide that
@@ -37,7 +38,7 @@ typedef enum {
     ELMOPP_SITE_INTERGREEN, ///< out of bounds for a conflicting pair, or set for a compatible one [ending, starting]
     ELMOPP_SITE_STAGE, ///< a stage is empty, repeated, or names no group, or a group is in no stage [stage or group]
     ELMOPP_SITE_STAGE_CONFLICT,    ///< two groups of a stage conflict [group, group]
-    ELMOPP_SITE_STAGE_NOT_MAXIMAL, ///< a further group fits into the stage [stage, group]
+    ELMOPP_SITE_STAGE_NOT_MAXIMAL, ///< a further group fits into a street's stage [stage, group]
     ELMOPP_SITE_RED_BOUND,         ///< missing in a street, too long, or too short to serve everybody
     ELMOPP_SITE_PROGRAM,       ///< a step is no stage, too short or too long [programme, step]; or a movement has no
                                ///< step, and 0 stands for all where there is no programme or no list of steps
