@@ -24,6 +24,16 @@ const elmopp_weights_t *shipped_weights(const std::string &forecast) {
     return forecast == "nlstm" ? &elmopp_weights_nlstm : nullptr;
 }
 
+elmopp_weights_t weights_of_image(const std::uint8_t *image, std::size_t length) {
+    elmopp_weights_t weights{};
+    const auto fault = elmopp_weights_load(image, static_cast<std::uint32_t>(length), &weights);
+    if (fault != ELMOPP_WEIGHTS_OK) {
+        throw BadRequest(std::string(elmopp_weights_fault_name(fault)) +
+                         "; right would be an image made by tools/weights");
+    }
+    return weights;
+}
+
 elmopp_weights_t read_weights(const std::filesystem::path &file) {
     const std::string option = "--weights " + file.string() + ": ";
     std::error_code ignored;
@@ -34,12 +44,11 @@ elmopp_weights_t read_weights(const std::filesystem::path &file) {
     }
     const std::vector<char> bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
     const std::vector<std::uint8_t> image(bytes.begin(), bytes.end());
-    elmopp_weights_t weights{};
-    const auto fault = elmopp_weights_load(image.data(), static_cast<std::uint32_t>(image.size()), &weights);
-    if (fault != ELMOPP_WEIGHTS_OK) {
-        throw BadRequest(option + elmopp_weights_fault_name(fault) + "; right would be an image made by tools/weights");
+    try {
+        return weights_of_image(image.data(), image.size());
+    } catch (const BadRequest &error) {
+        throw BadRequest(option + error.what());
     }
-    return weights;
 }
 
 std::string network_name(const elmopp_weights_t &weights) {

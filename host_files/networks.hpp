@@ -7,6 +7,8 @@
 
 #include "core.hpp"
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -14,6 +16,9 @@ namespace elmopp {
 
 /// Which network a forecast's name means, with the weights that are shipped; null for any other forecast.
 const elmopp_weights_t *shipped_weights(const std::string &forecast);
+
+/// The weights of an ELMW image in memory. Throws BadRequest with what is wrong.
+elmopp_weights_t weights_of_image(const std::uint8_t *image, std::size_t length);
 
 /// Reads an ELMW image for the option `--weights`. Throws BadRequest naming what is wrong with it.
 elmopp_weights_t read_weights(const std::filesystem::path &file);

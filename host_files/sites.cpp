@@ -30,10 +30,10 @@ std::vector<std::uint8_t> read_bytes(const fs::path &file) {
 }
 
 /// What a refused image holds, to name it in a message; nothing if it has another length.
-elmopp_junction_t body_of(const std::vector<std::uint8_t> &bytes) {
+elmopp_junction_t body_of(const std::uint8_t *image, std::size_t length) {
     elmopp_junction_t junction{};
-    if (bytes.size() == ELMOPP_IMAGE_HEADER + sizeof junction) {
-        std::memcpy(&junction, bytes.data() + ELMOPP_IMAGE_HEADER, sizeof junction);
+    if (length == ELMOPP_IMAGE_HEADER + sizeof junction) {
+        std::memcpy(&junction, image + ELMOPP_IMAGE_HEADER, sizeof junction);
     }
     for (auto &group : junction.group) {
         group.name[ELMOPP_NAME_SIZE - 1U] = '\0';
@@ -43,13 +43,11 @@ elmopp_junction_t body_of(const std::vector<std::uint8_t> &bytes) {
 
 elmopp_junction_t load_image(const fs::path &file) {
     const auto bytes = read_bytes(file);
-    elmopp_junction_t junction{};
-    const auto verdict = elmopp_site_load(bytes.data(), static_cast<std::uint32_t>(bytes.size()), &junction);
-    if (verdict.fault != ELMOPP_SITE_OK) {
-        throw BadRequest("--site " + file.string() + ": " + describe(verdict, body_of(bytes)) +
-                         "; right would be an image made by tools/site");
+    try {
+        return site_of_image(bytes.data(), bytes.size());
+    } catch (const BadRequest &error) {
+        throw BadRequest("--site " + file.string() + ": " + error.what());
     }
-    return junction;
 }
 
 /// A folder of our own that goes when it is done with.
@@ -130,6 +128,15 @@ ToolResult run_tool(const std::string &name, const std::vector<std::string> &arg
         result.last_line = line.empty() ? result.last_line : line;
     }
     return result;
+}
+
+elmopp_junction_t site_of_image(const std::uint8_t *image, std::size_t length) {
+    elmopp_junction_t junction{};
+    const auto verdict = elmopp_site_load(image, static_cast<std::uint32_t>(length), &junction);
+    if (verdict.fault != ELMOPP_SITE_OK) {
+        throw BadRequest(describe(verdict, body_of(image, length)) + "; right would be an image made by tools/site");
+    }
+    return junction;
 }
 
 elmopp_junction_t read_site(const fs::path &file) {

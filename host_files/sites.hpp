@@ -7,6 +7,8 @@
 
 #include "core.hpp"
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -35,6 +37,9 @@ struct ToolResult {
 
 /// Runs such a tool to its end.
 ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments);
+
+/// The junction of a site image in memory. Throws BadRequest with what is wrong.
+elmopp_junction_t site_of_image(const std::uint8_t *image, std::size_t length);
 
 /// Reads a site image (.bin) or, through tools/site, a site file (.toml). Throws BadRequest with what is wrong.
 elmopp_junction_t read_site(const std::filesystem::path &file);
