@@ -188,9 +188,13 @@ class Program:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def stop(self) -> None:
+        """Ends it at once; a second time it does nothing."""
         self.process.kill()
         self.process.wait(timeout=10)
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
 
 
 def controller(name: str, *words: str) -> Program:

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/* libelmopp.so as a program in C sees it: through elmopp.h and nothing else. Beside it runs the pilot of the core, whose
+ * lamps the library's must be, tick for tick. */
+
+#include "elmopp.h"
+
+#include "elmopp/image.h"
+#include "elmopp/lamps.h"
+#include "elmopp/pilot.h"
+#include "elmopp/urgency.h"
+#include "image_writer.h"
+#include "random.h"
+#include "sites.h"
+
+#include "unity.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#define SITE_VERSION 2U
+#define SECONDS 900U
+#define TICKS 10U
+
+static uint8_t image[ELMOPP_IMAGE_HEADER + sizeof(elmopp_junction_t)];
+static char message[ELMOPP_MESSAGE_BYTES];
+static char aspects[ELMOPP_ASPECT_BYTES];
+static float present_veh[ELMOPP_MOVEMENT_MAX];
+static float arrived_veh[ELMOPP_MOVEMENT_MAX];
+static elmopp_options_t options;
+static elmopp_second_t second;
+static elmopp_t *junction;
+
+void setUp(void) {
+    memset(present_veh, 0, sizeof present_veh);
+    memset(arrived_veh, 0, sizeof arrived_veh);
+    memset(message, 0, sizeof message);
+    second = (elmopp_second_t){.size = sizeof second, .present_veh = present_veh, .arrived_veh = arrived_veh};
+    junction = NULL;
+}
+
+void tearDown(void) {
+    elmopp_close(junction);
+}
+
+static void name_site(const elmopp_junction_t *site) {
+    memcpy(&image[ELMOPP_IMAGE_HEADER], site, sizeof *site);
+    image_seal(image, "ELMS", SITE_VERSION, sizeof *site);
+    options = (elmopp_options_t){.size = sizeof options, .site = image, .site_bytes = sizeof image};
+}
+
+static void open_site(const elmopp_junction_t *site, const char *chooser) {
+    name_site(site);
+    options.chooser = chooser;
+    elmopp_close(junction);
+    junction = elmopp_open(&options, message, sizeof message);
+    TEST_ASSERT_NOT_NULL_MESSAGE(junction, message);
+    /* Nothing that was handed in is kept. */
+    memset(image, 0, sizeof image);
+}
+
+static void expect_refused(const char *part) {
+    TEST_ASSERT_NULL(elmopp_open(&options, message, sizeof message));
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, part), message);
+    TEST_ASSERT_NULL_MESSAGE(strchr(message, '\n'), message);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(message, "right would be"), message);
+}
+
+static void count_at_random(uint64_t *seed, uint32_t movements) {
+    for (uint32_t j = 0U; j < movements; j++) {
+        arrived_veh[j] = (float)(random_next(seed) % 2U);
+        present_veh[j] = (float)(random_next(seed) % 9U);
+    }
+}
+
+static void test_it_says_its_version(void) {
+    TEST_ASSERT_EQUAL_UINT32(ELMOPP_ABI_VERSION, elmopp_abi_version());
+    TEST_ASSERT_EQUAL_UINT32(1U, elmopp_abi_version());
+}
+
+static void test_the_shape_is_the_sites(void) {
+    for (uint32_t i = 0U; i < TEST_SITE_COUNT; i++) {
+        open_site(test_sites[i], NULL);
+        elmopp_shape_t shape = {.size = sizeof shape};
+        TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_shape(junction, &shape));
+        TEST_ASSERT_EQUAL_UINT32(test_sites[i]->approach_count, shape.approaches);
+        TEST_ASSERT_EQUAL_UINT32(test_sites[i]->movement_count, shape.movements);
+        TEST_ASSERT_EQUAL_UINT32(test_sites[i]->group_count, shape.groups);
+        TEST_ASSERT_EQUAL_UINT32(test_sites[i]->stage_count, shape.stages);
+        for (uint32_t s = 0U; s < shape.stages; s++) {
+            const uint32_t groups = elmopp_stage_groups(junction, s);
+            TEST_ASSERT_EQUAL_UINT32(test_sites[i]->stage_groups[s], groups);
+            TEST_ASSERT_EQUAL_UINT32(elmopp_junction_served(test_sites[i], (uint16_t)groups),
+                                     elmopp_served(junction, groups));
+        }
+        TEST_ASSERT_EQUAL_UINT32(0U, elmopp_stage_groups(junction, shape.stages));
+        TEST_ASSERT_EQUAL_UINT32(0U, elmopp_served(junction, 0U));
+    }
+}
+
+static void test_it_begins_with_all_red_and_no_stage(void) {
+    open_site(test_sites[0], NULL);
+    TEST_ASSERT_EQUAL_INT32(ELMOPP_NO_STAGE, elmopp_stage(junction));
+    TEST_ASSERT_EQUAL_INT32(ELMOPP_NO_STAGE, elmopp_target(junction));
+    TEST_ASSERT_EQUAL_INT32(ELMOPP_NO_STAGE, elmopp_wish(junction));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, ELMOPP_NO_STAGE, aspects));
+    TEST_ASSERT_EQUAL_UINT32(ELMOPP_ASPECT_BYTES - 1U, strlen(aspects));
+    for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
+        TEST_ASSERT_EQUAL_CHAR((g < test_sites[0]->group_count) ? '1' : '0', aspects[g]);
+    }
+}
+
+static void test_its_lamps_are_the_pilots(void) {
+    for (uint32_t i = 0U; i < TEST_SITE_COUNT; i++) {
+        open_site(test_sites[i], "naive");
+        elmopp_urgency_t urgency;
+        const elmopp_urgency_options_t window = {.min_s = test_sites[i]->hold_min_s,
+                                                 .max_s = test_sites[i]->hold_max_s,
+                                                 .hysteresis = 1.0F};
+        const elmopp_chooser_t chooser = elmopp_urgency_init(&urgency, &window);
+        const elmopp_forecast_config_t none = {.kind = ELMOPP_FORECAST_NONE};
+        elmopp_pilot_t pilot;
+        elmopp_pilot_init(&pilot, test_sites[i], &chooser, &none);
+        uint64_t seed = 1U;
+        for (uint32_t t = 0U; t < SECONDS; t++) {
+            count_at_random(&seed, test_sites[i]->movement_count);
+            const elmopp_counts_t counts = {.present_veh = present_veh, .arrived_veh = arrived_veh};
+            TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+            TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &counts, NULL));
+            for (uint32_t k = 0U; k < TICKS; k++) {
+                TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, ELMOPP_NO_STAGE, aspects));
+                const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&pilot, pilot.wanted);
+                for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
+                    TEST_ASSERT_EQUAL_INT((int)elmopp_lamps_aspect(&lamps, g), aspects[g] - '0');
+                }
+            }
+            const int32_t stage = (pilot.plan.stage < ELMOPP_STAGE_MAX) ? (int32_t)pilot.plan.stage : ELMOPP_NO_STAGE;
+            TEST_ASSERT_EQUAL_INT32(stage, elmopp_stage(junction));
+            TEST_ASSERT_EQUAL_FLOAT(pilot.score[0], elmopp_score(junction, 0U));
+        }
+        TEST_ASSERT_NULL(elmopp_fault(junction));
+    }
+}
+
+static void test_a_wish_overrules_the_chooser_and_nothing_else(void) {
+    open_site(test_sites[0], "naive");
+    const int32_t last = (int32_t)test_sites[0]->stage_count - 1;
+    for (uint32_t t = 0U; t < 60U; t++) {
+        present_veh[0] = 5.0F;
+        TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+        for (uint32_t k = 0U; k < TICKS; k++) {
+            TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, (t < 30U) ? last : 0, aspects));
+        }
+        if (t == 29U) {
+            TEST_ASSERT_EQUAL_INT32(last, elmopp_stage(junction));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(0, elmopp_stage(junction));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_tick(junction, last + 1, aspects));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_tick(junction, -2, aspects));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_tick(junction, 0, NULL));
+}
+
+static void test_counts_that_are_none_are_refused(void) {
+    open_site(test_sites[0], NULL);
+    const float bad[] = {-1.0F, (float)NAN, (float)INFINITY, 1.1e6F};
+    for (uint32_t i = 0U; i < sizeof bad / sizeof bad[0]; i++) {
+        present_veh[1] = bad[i];
+        TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+        present_veh[1] = 0.0F;
+        arrived_veh[0] = bad[i];
+        TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+        arrived_veh[0] = 0.0F;
+    }
+    second.present_veh = NULL;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, NULL));
+}
+
+static void test_structs_of_another_size(void) {
+    open_site(test_sites[0], NULL);
+    second.size = offsetof(elmopp_second_t, downstream_veh); /* an older caller */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    second.size = sizeof second + 1U; /* a newer one */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    second.size = 4U;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    elmopp_shape_t shape = {.size = 8U, .movements = 99U};
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_shape(junction, &shape));
+    TEST_ASSERT_EQUAL_UINT32(test_sites[0]->approach_count, shape.approaches);
+    TEST_ASSERT_EQUAL_UINT32(99U, shape.movements);
+    shape.size = 0U;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_shape(junction, &shape));
+    name_site(test_sites[0]);
+    options.size = sizeof options + 8U;
+    expect_refused("options.size is");
+    options.size = 0U;
+    expect_refused("options.size is 0");
+    TEST_ASSERT_NULL(elmopp_open(NULL, message, sizeof message));
+    TEST_ASSERT_NOT_NULL(strstr(message, "missing"));
+}
+
+static void test_what_cannot_be_opened_says_why(void) {
+    name_site(test_sites[0]);
+    options.chooser = "nave";
+    expect_refused("unknown chooser \"nave\"");
+    options.chooser = "cumulative:oracle";
+    expect_refused("forecast oracle");
+    options.chooser = NULL;
+    options.site = NULL;
+    expect_refused("options.site is missing");
+    name_site(test_sites[0]);
+    image[100] ^= 1U;
+    expect_refused("image");
+    name_site(test_sites[0]);
+    options.weights = image;
+    options.weights_bytes = 7U;
+    expect_refused("weights");
+    char one[1] = {'x'};
+    TEST_ASSERT_NULL(elmopp_open(&options, one, sizeof one));
+    TEST_ASSERT_EQUAL_CHAR('\0', one[0]);
+    TEST_ASSERT_NULL(elmopp_open(&options, NULL, 0U));
+}
+
+static void test_handles_are_independent(void) {
+    open_site(test_sites[0], "naive");
+    elmopp_t *first = junction;
+    junction = NULL;
+    open_site(test_sites[1], "pressure");
+    for (uint32_t k = 0U; k < 300U; k++) {
+        TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(first, 0, aspects));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, elmopp_stage(first));
+    TEST_ASSERT_EQUAL_INT32(ELMOPP_NO_STAGE, elmopp_stage(junction));
+    elmopp_close(first);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_it_says_its_version);
+    RUN_TEST(test_the_shape_is_the_sites);
+    RUN_TEST(test_it_begins_with_all_red_and_no_stage);
+    RUN_TEST(test_its_lamps_are_the_pilots);
+    RUN_TEST(test_a_wish_overrules_the_chooser_and_nothing_else);
+    RUN_TEST(test_counts_that_are_none_are_refused);
+    RUN_TEST(test_structs_of_another_size);
+    RUN_TEST(test_what_cannot_be_opened_says_why);
+    RUN_TEST(test_handles_are_independent);
+    return UNITY_END();
+}
