@@ -266,7 +266,7 @@ def check_deviations() -> str | None:
 
 def _requirement_sources() -> dict[str, list[str]]:
     """The .in files of each pinned list."""
-    return {"base": ["base.in"]} | {name: ["base.in", f"{name}.in"] for name in ("bench", "check", "train")}
+    return {"base": ["base.in"]} | {name: ["base.in", f"{name}.in"] for name in ("bench", "check", "sumo", "train")}
 
 
 def check_requirements() -> str | None:

@@ -20,6 +20,7 @@ _MODULES = {
     "check": ("cantools", "jsonschema", "matplotlib", "mypy", "numpy", "pytest", "safetensors", "scipy"),
     "train": ("jax", "numpy", "optax", "safetensors", "scipy"),
     "bench": ("numpy", "onnx", "onnxruntime", "safetensors"),
+    "sumo": ("libsumo", "sumolib"),
 }
 
 

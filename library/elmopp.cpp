@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "elmopp.h"
+
+#include "choosers.hpp"
+#include "core.hpp"
+#include "error.hpp"
+#include "networks.hpp"
+#include "sites.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <string>
+#include <vector>
+
+/// One junction. Not movable: pilot and chooser point into it.
+struct elmopp_handle {
+    elmopp_junction_t junction{};
+    elmopp_weights_t weights{};
+    std::array<elmopp_ar8_t, ELMOPP_APPROACH_MAX> ar8{};
+    std::array<float, ELMOPP_MOVEMENT_MAX> downstream_veh{};
+    std::unique_ptr<elmopp::Plugged> plugged;
+    elmopp_pilot_t pilot{};
+    elmopp_monitor_t monitor{};
+};
+
+namespace elmopp {
+namespace {
+
+/// A caller's struct in our size: what an older caller does not know is zero. `needed`: members without which nothing
+/// can be done.
+template <typename Struct> Struct in_our_size(const Struct *given, std::size_t needed, const char *name) {
+    if (given == nullptr || given->size < needed || given->size > sizeof(Struct)) {
+        throw BadRequest(std::string(name) + ".size is " +
+                         (given == nullptr ? "missing" : std::to_string(given->size)) + "; right would be " +
+                         std::to_string(sizeof(Struct)) + ", the size of the struct in this library");
+    }
+    Struct ours{};
+    std::memcpy(&ours, given, given->size);
+    return ours;
+}
+
+std::uint16_t all_groups(const elmopp_handle &self) {
+    return static_cast<std::uint16_t>((1U << self.junction.group_count) - 1U);
+}
+
+/// What is shown once the monitor has given its verdict: the plan's lamps, or the site's flashing.
+elmopp_lamps_t judged(elmopp_handle &self, const elmopp_lamps_t &lamps) {
+    const elmopp_monitor_input_t input{lamps, lamps, all_groups(self), ELMOPP_MODE_AUTOMATIC};
+    return elmopp_monitor_check(&self.monitor, &input) == ELMOPP_FAULT_NONE
+               ? lamps
+               : elmopp_lamps_flashing(&self.junction, all_groups(self));
+}
+
+ChooserSpec chooser_of(const elmopp_options_t &options, const elmopp_junction_t &junction) {
+    ChooserSpec spec = options.chooser != nullptr ? parse_chooser(options.chooser) : site_chooser(junction);
+    if (spec.forecast == "oracle") {
+        throw BadRequest("forecast oracle: nobody knows the future here; right would be any other forecast");
+    }
+    return spec;
+}
+
+const elmopp_weights_t *weights_of(elmopp_handle &self, const elmopp_options_t &options, const std::string &forecast) {
+    if (options.weights == nullptr) {
+        return shipped_weights(forecast);
+    }
+    self.weights = weights_of_image(options.weights, options.weights_bytes);
+    if (network_name(self.weights) != forecast) {
+        throw BadRequest("options.weights is a network of forecast " + network_name(self.weights) +
+                         ", the forecast is " + forecast + "; right would be weights of that forecast, or none");
+    }
+    return &self.weights;
+}
+
+std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
+    if (options.site == nullptr) {
+        throw BadRequest("options.site is missing; right would be an image made by tools/site");
+    }
+    auto self = std::make_unique<elmopp_handle>();
+    self->junction = site_of_image(options.site, options.site_bytes);
+    const ChooserSpec spec = chooser_of(options, self->junction);
+    self->plugged = make_chooser(spec, Setting{self->junction, true, false, options.travel_s, options.seed,
+                                               self->downstream_veh.data()});
+    self->ar8.fill(shipped_weights("lstm")->ar8);
+    const elmopp_forecast_config_t forecast{forecast_kind(spec.forecast), self->ar8.data(), nullptr,
+                                            weights_of(*self, options, spec.forecast)};
+    elmopp_pilot_init(&self->pilot, &self->junction, &self->plugged->chooser, &forecast);
+    elmopp_monitor_init(&self->monitor, &self->junction);
+    // A new monitor has seen flashing, after which comes red.
+    (void)judged(*self, elmopp_lamps_t{all_groups(*self), 0, 0, 0});
+    return self;
+}
+
+std::int32_t stage_or_none(const elmopp_handle &self, elmopp_stage_t stage) {
+    return stage < self.junction.stage_count ? static_cast<std::int32_t>(stage) : ELMOPP_NO_STAGE;
+}
+
+void write_aspects(const elmopp_lamps_t &lamps, char *aspects) {
+    for (std::uint32_t g = 0; g < ELMOPP_GROUP_MAX; ++g) {
+        aspects[g] = static_cast<char>('0' + static_cast<int>(elmopp_lamps_aspect(&lamps, g)));
+    }
+    aspects[ELMOPP_GROUP_MAX] = '\0';
+}
+
+} // namespace
+} // namespace elmopp
+
+std::uint32_t elmopp_abi_version(void) {
+    return ELMOPP_ABI_VERSION;
+}
+
+elmopp_t *elmopp_open(const elmopp_options_t *options, char *message, std::uint32_t message_bytes) {
+    std::string wrong;
+    try {
+        constexpr std::size_t needed = offsetof(elmopp_options_t, chooser);
+        return elmopp::open(elmopp::in_our_size(options, needed, "options")).release();
+    } catch (const std::exception &error) {
+        wrong = error.what();
+    }
+    if (message != nullptr && message_bytes > 0) {
+        (void)std::snprintf(message, message_bytes, "%s", wrong.c_str());
+    }
+    return nullptr;
+}
+
+void elmopp_close(elmopp_t *self) {
+    delete self;
+}
+
+int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out) {
+    if (out->size < sizeof out->size || out->size > sizeof(elmopp_shape_t)) {
+        return ELMOPP_REFUSED;
+    }
+    const elmopp_shape_t shape{out->size, self->junction.approach_count, self->junction.movement_count,
+                               self->junction.group_count, self->junction.stage_count};
+    std::memcpy(out, &shape, out->size);
+    return ELMOPP_DONE;
+}
+
+int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
+    constexpr std::size_t needed = offsetof(elmopp_second_t, downstream_veh);
+    if (second == nullptr || second->size < needed || second->size > sizeof(elmopp_second_t) ||
+        second->present_veh == nullptr || second->arrived_veh == nullptr) {
+        return ELMOPP_REFUSED;
+    }
+    elmopp_second_t ours{};
+    std::memcpy(&ours, second, second->size);
+    if (ours.downstream_veh != nullptr) {
+        std::copy_n(ours.downstream_veh, self->junction.movement_count, self->downstream_veh.begin());
+    } else {
+        self->downstream_veh.fill(0.0F);
+    }
+    const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall};
+    return elmopp_pilot_step(&self->pilot, &counts, nullptr) ? ELMOPP_DONE : ELMOPP_REFUSED;
+}
+
+int elmopp_tick(elmopp_t *self, std::int32_t wish, char aspects[ELMOPP_ASPECT_BYTES]) {
+    const bool exists = wish >= 0 && wish < static_cast<std::int32_t>(self->junction.stage_count);
+    if (aspects == nullptr || (!exists && wish != ELMOPP_NO_STAGE)) {
+        return ELMOPP_REFUSED;
+    }
+    const elmopp_stage_t wanted = exists ? static_cast<elmopp_stage_t>(wish) : self->pilot.wanted;
+    const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted);
+    elmopp::write_aspects(elmopp::judged(*self, lamps), aspects);
+    return self->monitor.first == ELMOPP_FAULT_NONE ? ELMOPP_DONE : ELMOPP_FAULT;
+}
+
+std::int32_t elmopp_stage(const elmopp_t *self) {
+    return elmopp::stage_or_none(*self, self->pilot.plan.stage);
+}
+
+std::int32_t elmopp_target(const elmopp_t *self) {
+    return elmopp::stage_or_none(*self, self->pilot.plan.target);
+}
+
+std::int32_t elmopp_wish(const elmopp_t *self) {
+    return elmopp::stage_or_none(*self, self->pilot.wanted);
+}
+
+std::uint32_t elmopp_stage_groups(const elmopp_t *self, std::uint32_t stage) {
+    return stage < self->junction.stage_count ? self->junction.stage_groups[stage] : 0U;
+}
+
+std::uint32_t elmopp_served(const elmopp_t *self, std::uint32_t groups) {
+    const auto mask = static_cast<std::uint16_t>(groups & ((1U << self->junction.group_count) - 1U));
+    return elmopp_junction_served(&self->junction, mask);
+}
+
+float elmopp_score(const elmopp_t *self, std::uint32_t stage) {
+    return stage < self->junction.stage_count ? self->pilot.score[stage] : 0.0F;
+}
+
+float elmopp_foreseen_veh(const elmopp_t *self, std::uint32_t approach) {
+    return approach < self->junction.approach_count ? self->pilot.foreseen_sum_veh[approach] : 0.0F;
+}
+
+const char *elmopp_fault(const elmopp_t *self) {
+    return self->monitor.first == ELMOPP_FAULT_NONE ? nullptr : elmopp_fault_name(self->monitor.first);
+}

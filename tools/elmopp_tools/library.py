@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""libelmopp.so from Python: one junction, counts in, lamps out. library/elmopp.h is the manual."""
+
+import ctypes
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from types import TracebackType
+
+ROOT = Path(__file__).resolve().parents[2]
+
+ABI_VERSION = 1
+NO_STAGE = -1
+ASPECT_BYTES = 17
+MESSAGE_BYTES = 256
+REFUSED = 1
+FAULT = 2
+
+# Of the source tree around this file, the fastest first, and of an installed copy (PREFIX/share/elmopp/tools).
+_PLACES = (
+    ROOT / "build" / "release" / "lib" / "libelmopp.so",
+    ROOT / "build" / "host" / "lib" / "libelmopp.so",
+    ROOT.parents[1] / "lib" / "libelmopp.so.1",
+)
+
+
+class LibraryError(Exception):
+    """The library is not there, is another one, or refuses a request; the text says what would be right."""
+
+
+class FaultError(Exception):
+    """The conflict monitor has found a fault."""
+
+
+class _Options(ctypes.Structure):
+    _fields_ = (
+        ("size", ctypes.c_uint32),
+        ("site_bytes", ctypes.c_uint32),
+        ("site", ctypes.c_char_p),
+        ("chooser", ctypes.c_char_p),
+        ("weights", ctypes.c_char_p),
+        ("weights_bytes", ctypes.c_uint32),
+        ("travel_s", ctypes.c_uint32),
+        ("seed", ctypes.c_uint64),
+    )
+
+
+class _Second(ctypes.Structure):
+    _fields_ = (
+        ("size", ctypes.c_uint32),
+        ("recall", ctypes.c_uint32),
+        ("present_veh", ctypes.POINTER(ctypes.c_float)),
+        ("arrived_veh", ctypes.POINTER(ctypes.c_float)),
+        ("downstream_veh", ctypes.POINTER(ctypes.c_float)),
+    )
+
+
+class Shape(ctypes.Structure):
+    """How many approaches, movements, groups and stages a junction has."""
+
+    _fields_ = tuple((name, ctypes.c_uint32) for name in ("size", "approaches", "movements", "groups", "stages"))
+    approaches: int
+    movements: int
+    groups: int
+    stages: int
+
+
+@cache
+def load(place: Path | None = None) -> ctypes.CDLL:
+    """The library at a place, or the first one found; LibraryError if there is none or it is of another version."""
+    found = [path for path in ((place,) if place else _PLACES) if path.exists()]
+    if not found:
+        looked = place or _PLACES[0]
+        raise LibraryError(f"{looked} is missing ; make it with cmake --workflow --preset release, or name another")
+    library = ctypes.CDLL(str(found[0]))
+    if library.elmopp_abi_version() != ABI_VERSION:
+        version = library.elmopp_abi_version()
+        raise LibraryError(f"{found[0]} has interface {version} ; this program needs interface {ABI_VERSION}")
+    _declare(library)
+    return library
+
+
+def _declare(library: ctypes.CDLL) -> None:
+    handle = ctypes.c_void_p
+    library.elmopp_open.restype = handle
+    library.elmopp_open.argtypes = (ctypes.POINTER(_Options), ctypes.c_char_p, ctypes.c_uint32)
+    library.elmopp_close.argtypes = (handle,)
+    library.elmopp_close.restype = None
+    library.elmopp_shape.argtypes = (handle, ctypes.POINTER(Shape))
+    library.elmopp_count.argtypes = (handle, ctypes.POINTER(_Second))
+    library.elmopp_tick.argtypes = (handle, ctypes.c_int32, ctypes.c_char_p)
+    for name in ("elmopp_stage", "elmopp_target", "elmopp_wish"):
+        getattr(library, name).argtypes = (handle,)
+        getattr(library, name).restype = ctypes.c_int32
+    for name in ("elmopp_stage_groups", "elmopp_served"):
+        getattr(library, name).argtypes = (handle, ctypes.c_uint32)
+        getattr(library, name).restype = ctypes.c_uint32
+    for name in ("elmopp_score", "elmopp_foreseen_veh"):
+        getattr(library, name).argtypes = (handle, ctypes.c_uint32)
+        getattr(library, name).restype = ctypes.c_float
+    library.elmopp_fault.argtypes = (handle,)
+    library.elmopp_fault.restype = ctypes.c_char_p
+
+
+class CoreJunction:
+    """One junction. Close it, or use it in a with statement."""
+
+    def __init__(
+        self,
+        site: bytes,
+        chooser: str | None = None,
+        *,
+        travel_s: int = 0,
+        seed: int = 0,
+        weights: bytes | None = None,
+        library: Path | None = None,
+    ) -> None:
+        self._library = load(library)
+        options = _Options(
+            size=ctypes.sizeof(_Options),
+            site_bytes=len(site),
+            site=site,
+            chooser=None if chooser is None else chooser.encode(),
+            weights=weights,
+            weights_bytes=len(weights or b""),
+            travel_s=travel_s,
+            seed=seed,
+        )
+        message = ctypes.create_string_buffer(MESSAGE_BYTES)
+        self._handle = self._library.elmopp_open(ctypes.byref(options), message, MESSAGE_BYTES)
+        if not self._handle:
+            raise LibraryError(message.value.decode(errors="replace"))
+        self.shape = Shape(size=ctypes.sizeof(Shape))
+        self._library.elmopp_shape(self._handle, ctypes.byref(self.shape))
+        row = ctypes.c_float * max(1, self.shape.movements)
+        self._rows = (row(), row(), row())
+        self._second = _Second(ctypes.sizeof(_Second), 0, *self._rows)
+        self._aspects = ctypes.create_string_buffer(ASPECT_BYTES)
+
+    def __enter__(self) -> "CoreJunction":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Frees the junction; a second time it does nothing."""
+        handle, self._handle = self._handle, None
+        self._library.elmopp_close(handle)
+
+    def count(
+        self,
+        present_veh: Sequence[float],
+        arrived_veh: Sequence[float],
+        downstream_veh: Sequence[float] | None = None,
+        recall: int = 0,
+    ) -> None:
+        """Takes one second's counts, a value a movement; LibraryError for values that are no counts."""
+        nothing = [0.0] * self.shape.movements
+        for row, values in zip(self._rows, (present_veh, arrived_veh, downstream_veh or nothing), strict=True):
+            row[: self.shape.movements] = values
+        self._second.recall = recall
+        if self._library.elmopp_count(self._handle, ctypes.byref(self._second)) == REFUSED:
+            raise LibraryError(f"counts {list(present_veh)}, {list(arrived_veh)} ; finite numbers from 0 to a million")
+
+    def tick(self, wish: int = NO_STAGE) -> str:
+        """Moves the lamps by 100 ms: the aspect of every group, one digit each."""
+        answer = self._library.elmopp_tick(self._handle, wish, self._aspects)
+        if answer == REFUSED:
+            raise LibraryError(f"wish {wish} ; a stage below {self.shape.stages}, or {NO_STAGE}")
+        if answer == FAULT:
+            raise FaultError(self._library.elmopp_fault(self._handle).decode())
+        return self._aspects.value.decode()
+
+    @property
+    def stage(self) -> int:
+        """The stage that is shown, or NO_STAGE."""
+        return int(self._library.elmopp_stage(self._handle))
+
+    @property
+    def target(self) -> int:
+        """The stage that is shown or being brought up, or NO_STAGE."""
+        return int(self._library.elmopp_target(self._handle))
+
+    @property
+    def wish(self) -> int:
+        """The stage that the chooser wishes, or NO_STAGE."""
+        return int(self._library.elmopp_wish(self._handle))
+
+    def stage_groups(self, stage: int) -> int:
+        """Mask of the groups that are green in a stage."""
+        return int(self._library.elmopp_stage_groups(self._handle, stage))
+
+    def served(self, groups: int) -> int:
+        """Mask of the movements that go when exactly these groups are green."""
+        return int(self._library.elmopp_served(self._handle, groups))
+
+    def score(self, stage: int) -> float:
+        """The chooser's score of a stage in the last second."""
+        return float(self._library.elmopp_score(self._handle, stage))
+
+    def foreseen_veh(self, approach: int) -> float:
+        """The vehicles that an approach is to get in the next 60 s."""
+        return float(self._library.elmopp_foreseen_veh(self._handle, approach))

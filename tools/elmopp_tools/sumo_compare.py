@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""Holds our choosers against the best rival of each scenario, paired by seed.
+
+The best rival of a scenario is the one with the lowest mean delay over all seeds. It is chosen and written down before
+anything of ours is looked at; a rival that left vehicles outside is not better for it, so its count stands beside it.
+Intervals are 95 % of Student's t over the seeds' differences: the same seed has the same vehicles.
+"""
+
+import csv
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from scipy import stats
+
+from elmopp_tools.outputs import write
+
+OURS = ("naive", "cumulative", "pressure", "priced", "rollout")
+CONFIDENCE = 0.95
+PAIRS_MIN = 2
+
+
+class CompareError(Exception):
+    """The comparison cannot be made; the text says what is wrong and what would be right."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """The runs of one controller in one scenario, by seed."""
+
+    scenario: str
+    name: str
+    delay_s: dict[int, float]
+    not_inserted: int
+    teleports: int
+    longest_wait_s: float
+
+    @property
+    def mean_s(self) -> float:
+        """Mean delay over the seeds."""
+        return sum(self.delay_s.values()) / len(self.delay_s)
+
+
+def compare(runs: Path, folder: Path, ours: Sequence[str]) -> None:
+    """Writes best_rivals.csv and comparison.csv into a folder, and prints both."""
+    cells = _cells(runs)
+    best = {cell.scenario: cell for cell in _best_rivals(cells, ours)}
+    rivals = [_rival_row(cell) for cell in best.values()]
+    _write(folder / "best_rivals.csv", rivals)
+    rows = [_row(cell, best[cell.scenario]) for cell in cells if _is_ours(cell, ours) and cell.scenario in best]
+    if not rows:
+        raise CompareError(f"{runs} has no run of {', '.join(ours)} beside a rival ; make the campaign with both")
+    rows.sort(key=lambda row: (row["chooser"], row["scenario"]))
+    _write(folder / "comparison.csv", rows)
+    _print(rivals)
+    _print(rows)
+    for name in dict.fromkeys(row["chooser"] for row in rows):
+        ratios = [float(row["ratio"]) for row in rows if row["chooser"] == name]
+        mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
+        print(f"{name}: geometric mean of the ratios {mean:.3f}, worst {max(ratios):.3f}, {len(ratios)} scenarios")
+
+
+def _cells(runs: Path) -> list[Cell]:
+    grouped: dict[tuple[str, str], list[dict[str, str]]] = {}
+    with runs.open(encoding="utf-8", newline="") as file:
+        for run in csv.DictReader(file):
+            name = run["chooser"] if run["forecast"] == "none" else f"{run['chooser']}:{run['forecast']}"
+            grouped.setdefault((run["scenario"], name), []).append(run)
+    return [
+        Cell(
+            scenario=scenario,
+            name=name,
+            delay_s={int(run["seed"]): float(run["delay_s"]) for run in members},
+            not_inserted=sum(int(run["not_inserted"]) for run in members),
+            teleports=sum(int(run["teleports"]) for run in members),
+            longest_wait_s=max(float(run["longest_wait_s"]) for run in members),
+        )
+        for (scenario, name), members in grouped.items()
+    ]
+
+
+def _is_ours(cell: Cell, ours: Sequence[str]) -> bool:
+    return cell.name.partition(":")[0].partition("@")[0] in ours
+
+
+def _best_rivals(cells: Iterable[Cell], ours: Sequence[str]) -> list[Cell]:
+    best: dict[str, Cell] = {}
+    for cell in cells:
+        if not _is_ours(cell, ours) and (cell.scenario not in best or cell.mean_s < best[cell.scenario].mean_s):
+            best[cell.scenario] = cell
+    return list(best.values())
+
+
+def _rival_row(cell: Cell) -> dict[str, str]:
+    return {
+        "scenario": cell.scenario,
+        "best_rival": cell.name,
+        "delay_s": f"{cell.mean_s:.2f}",
+        "seeds": str(len(cell.delay_s)),
+        "not_inserted": str(cell.not_inserted),
+        "teleports": str(cell.teleports),
+        "longest_wait_s": f"{cell.longest_wait_s:.0f}",
+    }
+
+
+def _row(cell: Cell, rival: Cell) -> dict[str, str]:
+    seeds = sorted(cell.delay_s.keys() & rival.delay_s.keys())
+    if len(seeds) < PAIRS_MIN:
+        raise CompareError(
+            f"{cell.name} and {rival.name} share {len(seeds)} seeds in {cell.scenario} ; at least {PAIRS_MIN}"
+        )
+    differences = [cell.delay_s[seed] - rival.delay_s[seed] for seed in seeds]
+    mean = sum(differences) / len(seeds)
+    spread = math.sqrt(sum((value - mean) ** 2 for value in differences) / (len(seeds) - 1) / len(seeds))
+    half = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, len(seeds) - 1)) * spread
+    return {
+        "scenario": cell.scenario,
+        "chooser": cell.name,
+        "best_rival": rival.name,
+        "seeds": str(len(seeds)),
+        "delay_s": f"{cell.mean_s:.2f}",
+        "rival_delay_s": f"{rival.mean_s:.2f}",
+        "ratio": f"{cell.mean_s / rival.mean_s:.4f}",
+        "difference_s": f"{mean:.2f}",
+        "ci_low_s": f"{mean - half:.2f}",
+        "ci_high_s": f"{mean + half:.2f}",
+        "not_inserted": f"{cell.not_inserted}",
+        "rival_not_inserted": f"{rival.not_inserted}",
+        "teleports": f"{cell.teleports}",
+        "rival_teleports": f"{rival.teleports}",
+        "longest_wait_s": f"{cell.longest_wait_s:.0f}",
+        "rival_longest_wait_s": f"{rival.longest_wait_s:.0f}",
+    }
+
+
+def _write(file: Path, rows: Sequence[dict[str, str]]) -> None:
+    head = list(rows[0]) if rows else []
+    text = "".join(",".join(values) + "\n" for values in [head, *(list(row.values()) for row in rows)])
+    write({file: text.encode()})
+
+
+def _print(rows: Sequence[dict[str, str]]) -> None:
+    head = list(rows[0]) if rows else []
+    lines = [head, *(list(row.values()) for row in rows)]
+    widths = [max(len(line[column]) for line in lines) for column in range(len(head))]
+    for line in lines:
+        print("  ".join(value.ljust(width) for value, width in zip(line, widths, strict=True)).rstrip())
+    print()

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""One second of a signal in a running SUMO simulation: its cameras, its controller, and who watches it.
+
+Data flow one way: Camera (counts) -> Driver (a junction of libelmopp.so; none for SUMO's own controllers) -> lamps;
+Watch sees counts and lamps of both kinds alike. None of them knows what a vehicle will do: a camera sees who is there.
+"""
+
+from collections.abc import Sequence
+
+import libsumo
+
+from elmopp_tools.library import NO_STAGE, CoreJunction
+from elmopp_tools.site_image import image_bytes
+from elmopp_tools.sumo_network import Sight
+from elmopp_tools.sumo_signal import GREEN, Signal, Times, junction_of, letters
+
+TICKS_PER_S = 10
+FREE_FLOW_M_PER_S = 12.0  # 0.86 of 50 km/h: what drivers reach on the way to a stop line
+TRAVEL_MAX_S = 12
+
+
+class Camera:
+    """Counts, a value a movement: who is inside the reach now, and who of them was not a second ago."""
+
+    def __init__(self, signal: Signal, sight: Sight) -> None:
+        self._sight = sight
+        self._known: set[str] = set()
+        self.present_veh = [0.0] * len(signal.movements)
+        self.arrived_veh = [0.0] * len(signal.movements)
+
+    def count(self) -> None:
+        """Looks once, after a step of the simulation."""
+        present = [0.0] * len(self.present_veh)
+        arrived = [0.0] * len(self.arrived_veh)
+        now: set[str] = set()
+        for view in self._sight.views:
+            for vehicle in libsumo.lane.getLastStepVehicleIDs(view.lane):
+                if view.from_m <= 0.0 or libsumo.vehicle.getLanePosition(vehicle) >= view.from_m:
+                    now.add(vehicle)
+                    for movement, part in view.parts:
+                        present[movement] += part
+                        arrived[movement] += part if vehicle not in self._known else 0.0
+        for crossing in self._sight.crossings:
+            for person in libsumo.edge.getLastStepPersonIDs(crossing.waiting_edge):
+                if libsumo.person.getNextEdge(person) == crossing.crossing_edge:
+                    now.add(person)
+                    present[crossing.movement] += 1.0
+                    arrived[crossing.movement] += 1.0 if person not in self._known else 0.0
+        self._known, self.present_veh, self.arrived_veh = now, present, arrived
+
+
+class Driver:
+    """A signal that libelmopp.so controls."""
+
+    def __init__(self, signal: Signal, times: Times, reach_m: float, chooser: str, seed: int) -> None:
+        self._signal = signal
+        travel_s = min(TRAVEL_MAX_S, round(reach_m / FREE_FLOW_M_PER_S))
+        site = image_bytes(junction_of(signal, times, reach_m))
+        self._core = CoreJunction(site, chooser, travel_s=travel_s, seed=seed)
+        self._shown = NO_STAGE
+        self._state = ""
+        self.drive([0.0] * len(signal.movements), [0.0] * len(signal.movements), None)
+
+    def drive(
+        self, present_veh: Sequence[float], arrived_veh: Sequence[float], downstream_veh: Sequence[float] | None
+    ) -> None:
+        """Decides for the coming second and shows it. Lamps change at its beginning: all times are whole seconds."""
+        self._core.count(present_veh, arrived_veh, downstream_veh)
+        aspects = self._core.tick()
+        if self._core.stage != NO_STAGE:
+            self._shown = self._core.stage
+        state = self._letters(aspects)
+        for _ in range(TICKS_PER_S - 1):
+            self._core.tick()
+        if state != self._state:
+            libsumo.trafficlight.setRedYellowGreenState(self._signal.name, state)
+            self._state = state
+
+    def _letters(self, aspects: str) -> str:
+        target = self._core.target
+        if target == NO_STAGE:
+            return "r" * len(self._signal.states[0])
+        return letters(self._signal, target if self._shown == NO_STAGE else self._shown, target, aspects)
+
+    def close(self) -> None:
+        """Frees the junction."""
+        self._core.close()
+
+
+class Watch:
+    """What a person at the roadside would write down, of any controller.
+
+    Longest red: the longest time in which somebody was counted on a movement in every second and it did not go. Switches:
+    how often a stage was shown that was not the one shown before.
+    """
+
+    def __init__(self, signal: Signal) -> None:
+        self._signal = signal
+        self._red_s = [0] * len(signal.movements)
+        self._stage = NO_STAGE
+        self.longest_red_s = 0
+        self.switches = 0
+
+    def look(self, present_veh: Sequence[float]) -> None:
+        """The second that has just passed."""
+        state = libsumo.trafficlight.getRedYellowGreenState(self._signal.name)
+        green = sum(
+            all(state[link] in GREEN for link in links) << group
+            for group, links in enumerate(self._signal.group_links)
+        )
+        for index, movement in enumerate(self._signal.movements):
+            waits = present_veh[index] >= 1.0 and green & movement.groups != movement.groups
+            self._red_s[index] = self._red_s[index] + 1 if waits else 0
+        self.longest_red_s = max(self.longest_red_s, *self._red_s)
+        if green in self._signal.stages:
+            stage = self._signal.stages.index(green)
+            self.switches += stage != self._stage != NO_STAGE
+            self._stage = stage
+
+
+class Street:
+    """All signals of a network, second by second."""
+
+    def __init__(self, signals: Sequence[Signal], sights: Sequence[Sight], drivers: Sequence[Driver]) -> None:
+        self._cameras = [Camera(signal, sight) for signal, sight in zip(signals, sights, strict=True)]
+        self._watches = [Watch(signal) for signal in signals]
+        self._drivers = drivers
+        seen = {
+            view.lane: (camera, view.parts)
+            for camera, sight in zip(self._cameras, sights, strict=True)
+            for view in sight.views
+        }
+        self._downstream = [
+            [[seen[lane] for lane in lanes if lane in seen] for lanes in sight.downstream] for sight in sights
+        ]
+
+    def second(self) -> None:
+        """After each step of the simulation: count everywhere, then decide everywhere."""
+        for camera, watch in zip(self._cameras, self._watches, strict=True):
+            camera.count()
+            watch.look(camera.present_veh)
+        for index, driver in enumerate(self._drivers):
+            camera = self._cameras[index]
+            driver.drive(camera.present_veh, camera.arrived_veh, self._downstream_veh(index))
+
+    def _downstream_veh(self, index: int) -> list[float]:
+        """For each movement the vehicles that wait at the next signal on its ways on, their mean; 0 behind the last."""
+        return [
+            sum(part * camera.present_veh[movement] for camera, parts in ways for movement, part in parts)
+            / max(1, len(ways))
+            for ways in self._downstream[index]
+        ]
+
+    @property
+    def longest_red_s(self) -> int:
+        """Of all movements of all signals."""
+        return max(watch.longest_red_s for watch in self._watches)
+
+    @property
+    def switches(self) -> int:
+        """Of all signals together."""
+        return sum(watch.switches for watch in self._watches)

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""What the bridge reads of a SUMO network: every signal's programme, and the roads that its cameras see.
+
+A camera at the stop line sees `reach_m` up the road, also across the edges into which a network cuts an approach, as
+far back as the next signal. Where a lane upstream leads to several lanes at the stop line nobody can tell who will take
+which: a vehicle there counts for each of them in equal parts.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import libsumo
+import sumolib
+
+from elmopp_tools.sumo_signal import LaneGroup, Phase, Programme, Signal, SignalError
+
+
+@dataclass(frozen=True)
+class View:
+    """A piece of a lane that a camera sees: vehicles from `from_m` on count for these movements in these parts."""
+
+    lane: str
+    from_m: float
+    parts: tuple[tuple[int, float], ...]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """People who wait on a walking area to take a crossing count for a movement."""
+
+    waiting_edge: str
+    crossing_edge: str
+    movement: int
+
+
+@dataclass(frozen=True)
+class Sight:
+    """All that is counted at one signal. `downstream[movement]`: the lanes behind the junction that it leads to."""
+
+    views: tuple[View, ...]
+    crossings: tuple[Crossing, ...]
+    downstream: tuple[tuple[str, ...], ...]
+
+
+@dataclass
+class Network:
+    """The network of a running simulation, for questions that the simulation does not answer."""
+
+    net: Any
+    fed_by: dict[str, list[str]] = field(default_factory=dict)
+    ways_on: dict[str, int] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, file: Path) -> "Network":
+        """Reads a net file with its internal lanes."""
+        net = sumolib.net.readNet(str(file), withInternal=True, withPedestrianConnections=True)
+        network = cls(net)
+        for edge in net.getEdges(withInternal=True):
+            for lane in edge.getLanes():
+                for connection in lane.getOutgoing():
+                    via = connection.getViaLaneID() or connection.getToLane().getID()
+                    network.fed_by.setdefault(via, []).append(lane.getID())
+                network.ways_on[lane.getID()] = len(lane.getOutgoing())
+        return network
+
+    def programme(self, name: str) -> Programme:
+        """A signal's programme as the simulation runs it now."""
+        current = libsumo.trafficlight.getProgram(name)
+        logic = next(item for item in libsumo.trafficlight.getAllProgramLogics(name) if item.programID == current)
+        links = libsumo.trafficlight.getControlledLinks(name)
+        if not any(links):
+            raise SignalError(f"signal {name} controls no link; right would be a signal of a road junction")
+        width = max(len(phase.state) for phase in logic.phases)
+        lanes = [tuple((_edge_of(lane), lane) for lane, _, _ in link) for link in links]
+        return Programme(
+            name=name,
+            phases=tuple(Phase(phase.state, phase.duration) for phase in logic.phases),
+            lanes=tuple(lanes) + ((),) * (width - len(lanes)),
+            foes=frozenset(self._foes(links)),
+        )
+
+    def _foes(self, links: Sequence[Sequence[tuple[str, str, str]]]) -> Iterator[tuple[int, int]]:
+        """Pairs of links of one signal whose paths cross or merge, at whatever junction of it."""
+        places: dict[str, list[tuple[int, int]]] = {}
+        nodes: dict[str, Any] = {}
+        for index, link in enumerate(links):
+            for start, end, _ in link:
+                node, place = self._place(start, end)
+                if node is not None:
+                    places.setdefault(node.getID(), []).append((index, place))
+                    nodes[node.getID()] = node
+        for name, members in places.items():
+            for first, first_place in members:
+                for second, second_place in members:
+                    if first != second and nodes[name].areFoes(first_place, second_place):
+                        yield first, second
+
+    def _place(self, start: str, end: str) -> tuple[Any, int]:
+        """The junction of a connection and its number there."""
+        lane = self.net.getLane(start)
+        for connection in lane.getOutgoing():
+            if connection.getToLane().getID() == end:
+                return connection.getJunction(), connection.getJunctionIndex()
+        return None, -1
+
+    def sight(self, signal: Signal, reach_m: float, signals: frozenset[str]) -> Sight:
+        """What cameras of a reach see of a signal; `signals` are the lanes at whose end there is one."""
+        shares: dict[str, dict[int, float]] = {}
+        starts: dict[str, float] = {}
+        for index, movement in enumerate(signal.movements):
+            for lane in movement.lanes:
+                if not self._is_walked(lane):
+                    shares.setdefault(lane, {})[index] = 1.0
+                    starts[lane] = self._length(lane) - reach_m
+        self._look_upstream(shares, starts, signals)
+        return Sight(
+            views=tuple(View(lane, max(starts[lane], 0.0), tuple(parts.items())) for lane, parts in shares.items()),
+            crossings=tuple(self._crossings(signal.name, signal.movements)),
+            downstream=tuple(self._downstream(signal.name, movement) for movement in signal.movements),
+        )
+
+    def _look_upstream(
+        self, shares: dict[str, dict[int, float]], starts: dict[str, float], signals: frozenset[str]
+    ) -> None:
+        """Adds the lanes before those whose beginning is still within reach, one ring after the other."""
+        ring = list(shares)
+        while ring:
+            reached: dict[str, list[str]] = {}
+            for lane in ring:
+                if starts[lane] < 0.0:
+                    for before in self.fed_by.get(lane, []):
+                        if before not in shares and before not in signals and not self._is_walked(before):
+                            reached.setdefault(before, []).append(lane)
+            for before, lanes in reached.items():
+                starts[before] = self._length(before) + min(starts[lane] for lane in lanes)
+                parts: dict[int, float] = {}
+                for lane in lanes:
+                    for movement, part in shares[lane].items():
+                        parts[movement] = parts.get(movement, 0.0) + part / self.ways_on[before]
+                shares[before] = parts
+            ring = list(reached)
+
+    def _crossings(self, name: str, movements: Sequence[LaneGroup]) -> Iterator[Crossing]:
+        links = libsumo.trafficlight.getControlledLinks(name)
+        for index, movement in enumerate(movements):
+            for link in movement.links:
+                for start, end, _ in links[link]:
+                    if start in movement.lanes and self._is_walked(start):
+                        yield Crossing(_edge_of(start), _edge_of(end), index)
+
+    def _downstream(self, name: str, movement: LaneGroup) -> tuple[str, ...]:
+        links = libsumo.trafficlight.getControlledLinks(name)
+        ends = {end for link in movement.links for start, end, _ in links[link] if start in movement.lanes}
+        return tuple(sorted(ends))
+
+    def _length(self, lane: str) -> float:
+        length: float = self.net.getLane(lane).getLength()
+        return length
+
+    def _is_walked(self, lane: str) -> bool:
+        function = self.net.getLane(lane).getEdge().getFunction()
+        return function in ("walkingarea", "crossing")
+
+
+def _edge_of(lane: str) -> str:
+    return lane.rsplit("_", 1)[0]

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""The command behind tools/sumo-run: a SUMO scenario under one controller, seed by seed, as a table."""
+
+import argparse
+import csv
+import io
+import multiprocessing
+import os
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import libsumo
+
+from elmopp_tools.library import FaultError, LibraryError
+from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, why_not_writable, write
+from elmopp_tools.seeds import seeds_of
+from elmopp_tools.sumo_drive import Driver, Street
+from elmopp_tools.sumo_network import Network
+from elmopp_tools.sumo_own import PROGRAM, TYPES, own_programmes
+from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row
+from elmopp_tools.sumo_scenario import Scenario, ScenarioError, scenario_of
+from elmopp_tools.sumo_signal import Signal, SignalError, Times, read_signal
+
+EXIT_FAILED = 1
+
+STEP_S = 1.0
+
+DESCRIPTION = """\
+Runs a SUMO scenario with every signal under one controller, once for each seed, and writes one line a seed.
+
+Green phases of the network's own programmes are the stages that a controller may choose from. Between them amber and
+all red, minimum and maximum green are the same for all: the core's plan sees to that, and for SUMO's own controllers a
+programme that is made by the same rule. A controller knows what a camera of the given reach counts, and nothing else."""
+
+EPILOG = """\
+Controllers: every chooser of host_sim list, and SUMO's own: static, sumo-actuated, sumo-delay-based.
+
+Columns: delay_s is the mean of SUMO's timeLoss + departDelay over every vehicle that entered, arrived or not; read it
+with not_inserted. longest_wait_s is the longest standing time of a vehicle, longest_red_s how long somebody who was
+counted in every second of it found no green; stops, switches, teleports, co2_kg and fuel_kg are of the whole run.
+
+Exit codes: 0 done; 1 a run failed; 2 the request cannot be run, with one line that says what and what would be right.
+
+Examples:
+  tools/sumo-run --sumocfg out/sumo/x2prot/x2prot.sumocfg --chooser pressure --seeds 1-5 --csv pressure.csv
+  tools/sumo-run --net town.net.xml --routes town.rou.xml --end 3600 --chooser sumo-actuated --seeds 1 --csv -"""
+
+
+class RunError(Exception):
+    """A run broke off; the text says why."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run."""
+
+    scenario: Scenario
+    chooser: str
+    seed: int
+    times: Times
+    reach_m: float
+    allow_partial: bool
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs the command; returns its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        jobs = _jobs(options)
+        _check_output(options.csv)
+        rows = _run_all(jobs, options.jobs)
+    except (ScenarioError, SignalError, LibraryError) as error:
+        say("sumo-run", str(error))
+        return EXIT_REFUSED
+    except (RunError, FaultError) as error:
+        say("sumo-run", str(error))
+        return EXIT_FAILED
+    _write(options.csv, rows)
+    return EXIT_DONE
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = OneLineParser(
+        prog="tools/sumo-run",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    parser.add_argument("--sumocfg", metavar="FILE", type=Path, help="a scenario; or instead of it:")
+    parser.add_argument("--net", metavar="FILE", type=Path, help="a network, with --routes")
+    parser.add_argument("--routes", metavar="FILE[,FILE]", help="its vehicles")
+    parser.add_argument("--begin", metavar="S", type=float, help="first second (default: the scenario's, or 0)")
+    parser.add_argument(
+        "--end", metavar="S", type=float, help="last second (default: the scenario's, or when all have arrived)"
+    )
+    parser.add_argument("--chooser", metavar="NAME[:FORECAST]", required=True, help="who chooses the stages")
+    parser.add_argument("--seeds", metavar="A-B|A,B", type=seeds_of, default=(1,), help="SUMO's seeds (default: 1)")
+    parser.add_argument("--yellow", metavar="S", type=_whole(0, 600), default=3, help="amber (default: 3)")
+    parser.add_argument("--all-red", metavar="S", type=_whole(0, 600), default=2, help="clearance after it (default: 2)")
+    parser.add_argument("--min-green", metavar="S", type=_whole(1, 150), default=5, help="(default: 5)")
+    parser.add_argument(
+        "--max-green", metavar="S", type=_whole(1, 150), default=60,
+        help="counted from the first conflicting demand (default: 60)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--red-bound", metavar="S", type=_whole(0, 600), default=0,
+        help="nobody who is counted waits longer for green, whatever is chosen (default: 0, no bound)",
+    )  # fmt: skip
+    parser.add_argument("--reach", metavar="M", type=_reach, default=100.0, help="how far cameras see (default: 100)")
+    parser.add_argument("--csv", metavar="FILE", default="-", help="the table (default: -, the terminal)")
+    parser.add_argument("--jobs", metavar="N", type=_whole(1, 1024), default=os.cpu_count() or 1, help="runs at a time")
+    parser.add_argument(
+        "--allow-partial", action="store_true",
+        help="leave signals that cannot be controlled to their own programmes; the column signals says how many are ours",
+    )  # fmt: skip
+    return parser
+
+
+def _whole(least: int, most: int):  # type: ignore[no-untyped-def]
+    def whole(text: str) -> int:
+        if not text.isdecimal() or not least <= int(text) <= most:
+            raise argparse.ArgumentTypeError(f"'{text}'; right would be a whole number from {least} to {most}")
+        return int(text)
+
+    return whole
+
+
+def _reach(text: str) -> float:
+    try:
+        reach_m = float(text)
+    except ValueError:
+        reach_m = 0.0
+    if not 1.0 <= reach_m <= 1000.0:  # noqa: PLR2004  named in the message
+        raise argparse.ArgumentTypeError(f"'{text}'; right would be 1 to 1000 metres")
+    return reach_m
+
+
+def _jobs(options: argparse.Namespace) -> list[Job]:
+    if options.max_green < options.min_green:
+        wrong = f"--max-green {options.max_green} is below --min-green {options.min_green}"
+        raise ScenarioError(f"{wrong} ; at least as long")
+    scenario = scenario_of(options.sumocfg, options.net, options.routes, options.begin, options.end)
+    times = Times(options.yellow, options.all_red, options.min_green, options.max_green, options.red_bound)
+    return [
+        Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial) for seed in options.seeds
+    ]
+
+
+def _check_output(name: str) -> None:
+    reason = None if name == "-" else why_not_writable(Path(name))
+    if reason is not None:
+        raise ScenarioError(f"--csv {name}: {reason[0]} ; {reason[1]}")
+
+
+def _run_all(jobs: Sequence[Job], at_once: int) -> list[dict[str, str]]:
+    """Each in a process of its own: a SUMO lives once in a process, and a crash takes nobody with it."""
+    with multiprocessing.get_context("spawn").Pool(min(at_once, len(jobs)), maxtasksperchild=1) as pool:
+        return pool.map(run, jobs, chunksize=1)
+
+
+def _write(name: str, rows: Sequence[dict[str, str]]) -> None:
+    text = io.StringIO()
+    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    table.writeheader()
+    table.writerows(rows)
+    if name == "-":
+        sys.stdout.write(text.getvalue())
+    else:
+        write({Path(name): text.getvalue().encode()})
+
+
+def run(job: Job) -> dict[str, str]:
+    """One run from beginning to end, in this process."""
+    with tempfile.TemporaryDirectory(prefix="elmopp-sumo-") as place:
+        folder = Path(place)
+        try:
+            with _own_words(folder / "words"):
+                return _run_in(job, folder)
+        except libsumo.TraCIException as error:
+            words = (folder / "words").read_text(errors="replace").splitlines()
+            errors = [line for line in words if line.startswith("Error")] or [f"Error: {error}"]
+            raise RunError(f"{job.scenario.name}, seed {job.seed}: SUMO says: {errors[0]}") from None
+
+
+@contextmanager
+def _own_words(file: Path) -> Iterator[None]:
+    """What SUMO writes to stderr by itself goes to a file meanwhile."""
+    kept = os.dup(2)
+    with file.open("wb") as words:
+        os.dup2(words.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+
+
+def _run_in(job: Job, folder: Path) -> dict[str, str]:
+    own = job.chooser in TYPES
+    trips, statistics = folder / "trips.xml", folder / "statistics.xml"
+    outputs = (
+        "--tripinfo-output", str(trips), "--tripinfo-output.write-unfinished", "true",
+        "--statistic-output", str(statistics), "--device.emissions.probability", "1",
+        "--seed", str(job.seed), "--step-length", str(STEP_S), "--no-step-log", "true", "--no-warnings", "true",
+        "--duration-log.disable", "true",
+    )  # fmt: skip
+    network = Network.read(job.scenario.net)
+    signals: list[Signal] = []
+    drivers: list[Driver] = []
+    try:
+        libsumo.start(["sumo", *job.scenario.arguments(), *outputs])
+        signals = _signals(job, network)
+        if own:
+            _restart_with_own(job, signals, folder, outputs)
+        at_signals = frozenset(lane for name in libsumo.trafficlight.getIDList() for lane in _lanes_of(name))
+        sights = [network.sight(signal, job.reach_m, at_signals) for signal in signals]
+        if not own:
+            drivers = [Driver(signal, job.times, job.reach_m, job.chooser, job.seed) for signal in signals]
+        street = Street(signals, sights, drivers)
+        _simulate(street, job.scenario.end_s)
+    finally:
+        for driver in drivers:
+            driver.close()
+        libsumo.close()
+    name, _, forecast = job.chooser.partition(":")
+    names = (job.scenario.name, name, forecast or "none", job.seed)
+    return row(names, len(signals), read_trips(trips), read_statistics(statistics), street.longest_red_s, street.switches)
+
+
+def _simulate(street: Street, end_s: float | None) -> None:
+    """To the end of the scenario, or until everybody has arrived."""
+    while libsumo.simulation.getMinExpectedNumber() > 0 if end_s is None else libsumo.simulation.getTime() < end_s:
+        libsumo.simulationStep()
+        street.second()
+
+
+def _lanes_of(name: str) -> tuple[str, ...]:
+    lanes: tuple[str, ...] = libsumo.trafficlight.getControlledLanes(name)
+    return lanes
+
+
+def _signals(job: Job, network: Network) -> list[Signal]:
+    """Every signal of the network; SignalError for one that cannot be controlled, unless some may be left out."""
+    names = libsumo.trafficlight.getIDList()
+    if not names:
+        raise SignalError(f"{job.scenario.net} has no signal ; a network with at least one tlLogic")
+    signals: list[Signal] = []
+    refused: SignalError | None = None
+    for name in names:
+        try:
+            signals.append(read_signal(network.programme(name)))
+        except SignalError as error:
+            if not job.allow_partial:
+                raise
+            refused = error
+    if not signals and refused is not None:
+        raise refused
+    return signals
+
+
+def _restart_with_own(job: Job, signals: Sequence[Signal], folder: Path, outputs: Sequence[str]) -> None:
+    """SUMO's own controllers read their programmes at the start."""
+    libsumo.close()
+    programmes = folder / "own.add.xml"
+    programmes.write_bytes(own_programmes(signals, job.times, job.chooser))
+    libsumo.start(["sumo", *job.scenario.arguments(programmes), *outputs])
+    for signal in signals:
+        libsumo.trafficlight.setProgram(signal.name, PROGRAM)
+
