@@ -4,7 +4,6 @@
 """SUMO's signals as junctions: on programmes written by hand, without SUMO."""
 
 import pytest
-
 from elmopp_tools.sumo_own import own_programmes
 from elmopp_tools.sumo_signal import (
     Phase,
@@ -102,7 +101,9 @@ def test_a_signal_with_too_many_groups_is_refused() -> None:
     count = 17
     states = ["r" * link + "G" + "r" * (count - link - 1) for link in range(count)]
     lanes = tuple(((f"E{link}", f"E{link}_0"),) for link in range(count))
-    with pytest.raises(SignalError, match=r"signal J has 17 groups of links that go together; right would be at most 16"):
+    with pytest.raises(
+        SignalError, match=r"signal J has 17 groups of links that go together; right would be at most 16"
+    ):
         read_signal(programme(*states, lanes=lanes))
 
 

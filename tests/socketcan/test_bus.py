@@ -64,11 +64,24 @@ class Junction:
     def comes_up(self) -> bool:
         """Whether it reaches its steady mode; false if a fault ends the start-up."""
         wanted = {STEADY, "fail_safe"}
-        return self.bus.until(STATUS, lambda frame: frame.mode in wanted, 90.0, "the end of the start-up").mode == STEADY
+        return (
+            self.bus.until(STATUS, lambda frame: frame.mode in wanted, 90.0, "the end of the start-up").mode == STEADY
+        )
 
 
 def junction_on(stack: contextlib.ExitStack, name: str) -> Junction:
     return Junction(name, Bus(name), stack.enter_context(lamp_node(name)), stack.enter_context(controller(name)))
+
+
+def up(stack: contextlib.ExitStack, junction: Junction) -> Junction:
+    """The junction once it is in its steady mode, or another one in its place."""
+    for _ in range(START_TRIES):
+        if junction.comes_up():
+            return junction
+        junction.program.stop()
+        junction.node.stop()
+        junction = junction_on(stack, junction.name)
+    pytest.fail(f"{junction.name} did not come up in {START_TRIES} tries")
 
 
 @pytest.fixture(scope="session")
@@ -83,15 +96,8 @@ def junctions() -> Iterator[dict[str, Junction]]:
         for name in ("die0", "two0", "down0", "plug0", "err0"):
             stack.enter_context(interface(name))
             started[name] = junction_on(stack, name)
-        for name in started:
-            for _ in range(START_TRIES):
-                if started[name].comes_up():
-                    break
-                started[name].program.stop()
-                started[name].node.stop()
-                started[name] = junction_on(stack, name)
-            else:
-                pytest.fail(f"{name} did not come up in {START_TRIES} tries")
+        for name, junction in started.items():
+            started[name] = up(stack, junction)
         yield started
 
 

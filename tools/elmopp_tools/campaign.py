@@ -4,9 +4,9 @@
 """The command behind tools/campaign: many SUMO runs as a job file, run anywhere, merged and compared.
 
 A campaign is a folder: `jobs.txt`, one shell command a line, each for one scenario, one controller and one seed;
-`campaign.json`, what the lines were made of; `results/`, a table a line; then `runs.csv`, all of them in the order of the
-job file whatever order they were run in, and what sumo_compare.py makes of it. Who runs the lines, and where, is nobody's
-business here: tools/campaign run does it with GNU parallel, tools/campaign-slurm on a cluster.
+`campaign.json`, what the lines were made of; `results/`, a table a line; then `runs.csv`, all of them in the order of
+the job file whatever order they were run in, and what sumo_compare.py makes of it. Who runs the lines, and where, is
+nobody's business here: tools/campaign run does it with GNU parallel, tools/campaign-slurm on a cluster.
 """
 
 import argparse
@@ -94,12 +94,20 @@ def _parser() -> argparse.ArgumentParser:
         step = steps.add_parser(name, prog=f"tools/campaign {name}", allow_abbrev=False)
         step.add_argument("campaign", metavar="CAMPAIGN", type=Path, help="its folder")
         if name == "make":
-            step.add_argument("--scenarios", metavar="FOLDER|FILE,...", required=True, help="sumocfg files, or a folder of them")
+            step.add_argument(
+                "--scenarios", metavar="FOLDER|FILE,...", required=True, help="sumocfg files, or a folder of them"
+            )
             step.add_argument("--choosers", metavar="A,B:FORECAST,...", required=True)
-            step.add_argument("--seeds", metavar="A-B|A,B", type=seeds_of, default=tuple(range(1, 11)), help="(default: 1-10)")
-            step.add_argument("--options", metavar="TEXT", default="", help="further options of tools/sumo-run, in one word")
+            step.add_argument(
+                "--seeds", metavar="A-B|A,B", type=seeds_of, default=tuple(range(1, 11)), help="(default: 1-10)"
+            )
+            step.add_argument(
+                "--options", metavar="TEXT", default="", help="further options of tools/sumo-run, in one word"
+            )
         if name == "run":
-            step.add_argument("--jobs", metavar="N", type=int, default=0, help="lines at a time (default: one a processor)")
+            step.add_argument(
+                "--jobs", metavar="N", type=int, default=0, help="lines at a time (default: one a processor)"
+            )
         if name == "merge":
             step.add_argument("--partial", action="store_true", help="merge what is there")
         if name == "compare":
@@ -114,7 +122,9 @@ def _configurations(text: str) -> list[Path]:
         files.extend(sorted(path.glob("**/*.sumocfg")) if path.is_dir() else [path])
     missing = [file for file in files if not file.is_file()]
     if missing or not files:
-        raise CampaignError(f"--scenarios {missing[0] if missing else text} is missing ; sumocfg files, or a folder with some")
+        raise CampaignError(
+            f"--scenarios {missing[0] if missing else text} is missing ; sumocfg files, or a folder with some"
+        )
     return files
 
 
@@ -173,7 +183,9 @@ def _run(options: argparse.Namespace) -> None:
     done = subprocess.run(command, cwd=ROOT, input="".join(f"{w.command}\n" for w in waiting), text=True, check=False)
     missing = [line for line in lines if not (options.campaign / line.result).exists()]
     if done.returncode != 0 or missing:
-        raise IncompleteError(f"{len(missing)} of {len(lines)} lines have no result, first: {missing[0].command if missing else '?'}")
+        raise IncompleteError(
+            f"{len(missing)} of {len(lines)} lines have no result, first: {missing[0].command if missing else '?'}"
+        )
     print(f"{len(waiting)} lines run, {len(lines) - len(waiting)} were there")
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from types import TracebackType
+from typing import Self
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -139,7 +140,7 @@ class CoreJunction:
         self._second = _Second(ctypes.sizeof(_Second), 0, *self._rows)
         self._aspects = ctypes.create_string_buffer(ASPECT_BYTES)
 
-    def __enter__(self) -> "CoreJunction":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -162,7 +163,7 @@ class CoreJunction:
         """Takes one second's counts, a value a movement; LibraryError for values that are no counts."""
         nothing = [0.0] * self.shape.movements
         for row, values in zip(self._rows, (present_veh, arrived_veh, downstream_veh or nothing), strict=True):
-            row[: self.shape.movements] = values
+            row[: self.shape.movements] = list(values)
         self._second.recall = recall
         if self._library.elmopp_count(self._handle, ctypes.byref(self._second)) == REFUSED:
             raise LibraryError(f"counts {list(present_veh)}, {list(arrived_veh)} ; finite numbers from 0 to a million")

@@ -92,8 +92,8 @@ class Driver:
 class Watch:
     """What a person at the roadside would write down, of any controller.
 
-    Longest red: the longest time in which somebody was counted on a movement in every second and it did not go. Switches:
-    how often a stage was shown that was not the one shown before.
+    Longest red: the longest time in which somebody was counted on a movement in every second and it did not go.
+    Switches: how often a stage was shown that was not the one shown before.
     """
 
     def __init__(self, signal: Signal) -> None:
@@ -107,8 +107,7 @@ class Watch:
         """The second that has just passed."""
         state = libsumo.trafficlight.getRedYellowGreenState(self._signal.name)
         green = sum(
-            all(state[link] in GREEN for link in links) << group
-            for group, links in enumerate(self._signal.group_links)
+            all(state[link] in GREEN for link in links) << group for group, links in enumerate(self._signal.group_links)
         )
         for index, movement in enumerate(self._signal.movements):
             waits = present_veh[index] >= 1.0 and green & movement.groups != movement.groups

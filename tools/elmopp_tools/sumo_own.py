@@ -26,7 +26,8 @@ def own_programmes(signals: Sequence[Signal], times: Times, chooser: str) -> byt
         )
         for attributes in _phases(signal, times, chooser):
             ElementTree.SubElement(logic, "phase", attributes)
-    return ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text
 
 
 def _phases(signal: Signal, times: Times, chooser: str) -> Iterator[dict[str, str]]:

@@ -87,7 +87,12 @@ def number(value: float) -> str:
 
 
 def row(
-    names: tuple[str, str, str, int], signals: int, trips: Trips, statistics: Statistics, longest_red_s: int, switches: int
+    names: tuple[str, str, str, int],
+    signals: int,
+    trips: Trips,
+    statistics: Statistics,
+    longest_red_s: int,
+    switches: int,
 ) -> dict[str, str]:
     """One line of the table; `names` are scenario, chooser, forecast and seed."""
     mean = 1.0 / max(1, trips.entered)

@@ -17,15 +17,16 @@ from pathlib import Path
 
 import libsumo
 
-from elmopp_tools.library import FaultError, LibraryError
+from elmopp_tools.library import CoreJunction, FaultError, LibraryError
 from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, why_not_writable, write
 from elmopp_tools.seeds import seeds_of
+from elmopp_tools.site_image import image_bytes
 from elmopp_tools.sumo_drive import Driver, Street
 from elmopp_tools.sumo_network import Network
 from elmopp_tools.sumo_own import PROGRAM, TYPES, own_programmes
 from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row
 from elmopp_tools.sumo_scenario import Scenario, ScenarioError, scenario_of
-from elmopp_tools.sumo_signal import Signal, SignalError, Times, read_signal
+from elmopp_tools.sumo_signal import Phase, Programme, Signal, SignalError, Times, junction_of, read_signal
 
 EXIT_FAILED = 1
 
@@ -35,8 +36,8 @@ DESCRIPTION = """\
 Runs a SUMO scenario with every signal under one controller, once for each seed, and writes one line a seed.
 
 Green phases of the network's own programmes are the stages that a controller may choose from. Between them amber and
-all red, minimum and maximum green are the same for all: the core's plan sees to that, and for SUMO's own controllers a
-programme that is made by the same rule. A controller knows what a camera of the given reach counts, and nothing else."""
+all red, minimum and maximum green are the same for all: the core's plan sees to that, for SUMO's own controllers a
+programme that is made by the same rule. A controller knows what a camera of the given reach counts, nothing else."""
 
 EPILOG = """\
 Controllers: every chooser of host_sim list, and SUMO's own: static, sumo-actuated, sumo-delay-based.
@@ -54,6 +55,10 @@ Examples:
 
 class RunError(Exception):
     """A run broke off; the text says why."""
+
+
+class _StartError(Exception):
+    """SUMO did not start: the scenario is not one."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +108,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--chooser", metavar="NAME[:FORECAST]", required=True, help="who chooses the stages")
     parser.add_argument("--seeds", metavar="A-B|A,B", type=seeds_of, default=(1,), help="SUMO's seeds (default: 1)")
     parser.add_argument("--yellow", metavar="S", type=_whole(0, 600), default=3, help="amber (default: 3)")
-    parser.add_argument("--all-red", metavar="S", type=_whole(0, 600), default=2, help="clearance after it (default: 2)")
+    parser.add_argument(
+        "--all-red", metavar="S", type=_whole(0, 600), default=2, help="clearance after it (default: 2)"
+    )
     parser.add_argument("--min-green", metavar="S", type=_whole(1, 150), default=5, help="(default: 5)")
     parser.add_argument(
         "--max-green", metavar="S", type=_whole(1, 150), default=60,
@@ -118,7 +125,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--jobs", metavar="N", type=_whole(1, 1024), default=os.cpu_count() or 1, help="runs at a time")
     parser.add_argument(
         "--allow-partial", action="store_true",
-        help="leave signals that cannot be controlled to their own programmes; the column signals says how many are ours",
+        help="leave signals that cannot be controlled to their own programmes; the column signals says how many are",
     )  # fmt: skip
     return parser
 
@@ -137,7 +144,7 @@ def _reach(text: str) -> float:
         reach_m = float(text)
     except ValueError:
         reach_m = 0.0
-    if not 1.0 <= reach_m <= 1000.0:  # noqa: PLR2004  named in the message
+    if not 1.0 <= reach_m <= 1000.0:
         raise argparse.ArgumentTypeError(f"'{text}'; right would be 1 to 1000 metres")
     return reach_m
 
@@ -148,9 +155,21 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         raise ScenarioError(f"{wrong} ; at least as long")
     scenario = scenario_of(options.sumocfg, options.net, options.routes, options.begin, options.end)
     times = Times(options.yellow, options.all_red, options.min_green, options.max_green, options.red_bound)
-    return [
-        Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial) for seed in options.seeds
-    ]
+    _check_chooser(options.chooser, times)
+    return [Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial) for seed in options.seeds]
+
+
+def _check_chooser(chooser: str, times: Times) -> None:
+    """Whether the library knows it, on the smallest junction there is."""
+    if chooser in TYPES:
+        return
+    programme = Programme(
+        "check", (Phase("Gr", 30.0), Phase("rG", 30.0)), ((("a", "a_0"),), (("b", "b_0"),)), frozenset()
+    )
+    try:
+        CoreJunction(image_bytes(junction_of(read_signal(programme), times, 100.0)), chooser).close()
+    except LibraryError as error:
+        raise ScenarioError(f"--chooser {chooser}: {error}, or SUMO's own {', '.join(TYPES)}") from None
 
 
 def _check_output(name: str) -> None:
@@ -183,10 +202,16 @@ def run(job: Job) -> dict[str, str]:
         try:
             with _own_words(folder / "words"):
                 return _run_in(job, folder)
+        except _StartError as error:
+            raise ScenarioError(f"{job.scenario.name}: SUMO says: {_said(folder, error)}") from None
         except libsumo.TraCIException as error:
-            words = (folder / "words").read_text(errors="replace").splitlines()
-            errors = [line for line in words if line.startswith("Error")] or [f"Error: {error}"]
-            raise RunError(f"{job.scenario.name}, seed {job.seed}: SUMO says: {errors[0]}") from None
+            raise RunError(f"{job.scenario.name}, seed {job.seed}: SUMO says: {_said(folder, error)}") from None
+
+
+def _said(folder: Path, error: Exception) -> str:
+    """The first error of SUMO's own words."""
+    words = (folder / "words").read_text(errors="replace").splitlines()
+    return next((line for line in words if line.startswith("Error")), f"Error: {error}")
 
 
 @contextmanager
@@ -215,7 +240,7 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
     signals: list[Signal] = []
     drivers: list[Driver] = []
     try:
-        libsumo.start(["sumo", *job.scenario.arguments(), *outputs])
+        _start([*job.scenario.arguments(), *outputs])
         signals = _signals(job, network)
         if own:
             _restart_with_own(job, signals, folder, outputs)
@@ -231,7 +256,16 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
         libsumo.close()
     name, _, forecast = job.chooser.partition(":")
     names = (job.scenario.name, name, forecast or "none", job.seed)
-    return row(names, len(signals), read_trips(trips), read_statistics(statistics), street.longest_red_s, street.switches)
+    return row(
+        names, len(signals), read_trips(trips), read_statistics(statistics), street.longest_red_s, street.switches
+    )
+
+
+def _start(arguments: Sequence[str]) -> None:
+    try:
+        libsumo.start(["sumo", *arguments])
+    except libsumo.TraCIException as error:
+        raise _StartError(str(error)) from None
 
 
 def _simulate(street: Street, end_s: float | None) -> None:
@@ -270,7 +304,6 @@ def _restart_with_own(job: Job, signals: Sequence[Signal], folder: Path, outputs
     libsumo.close()
     programmes = folder / "own.add.xml"
     programmes.write_bytes(own_programmes(signals, job.times, job.chooser))
-    libsumo.start(["sumo", *job.scenario.arguments(programmes), *outputs])
+    _start([*job.scenario.arguments(programmes), *outputs])
     for signal in signals:
         libsumo.trafficlight.setProgram(signal.name, PROGRAM)
-

@@ -26,7 +26,9 @@ class Scenario:
 
     def arguments(self, *more_additional: Path) -> list[str]:
         """SUMO's arguments, with further additional files."""
-        made = ["--configuration-file", str(self.configuration)] if self.configuration else ["--net-file", str(self.net)]
+        made = (
+            ["--configuration-file", str(self.configuration)] if self.configuration else ["--net-file", str(self.net)]
+        )
         if not self.configuration:
             made += ["--route-files", ",".join(map(str, self.routes))]
         additional = (*self.additional, *more_additional)
@@ -45,18 +47,35 @@ def scenario_of(
     """The scenario of a command line. ScenarioError names the file that is missing, or the option."""
     if (configuration is None) == (net is None) or (net is None) != (routes is None):
         given = "both" if configuration and (net or routes) else "not enough"
-        raise ScenarioError(f"{given} of --sumocfg, --net and --routes ; either --sumocfg FILE or --net FILE --routes FILE")
+        raise ScenarioError(
+            f"{given} of --sumocfg, --net and --routes ; either --sumocfg FILE or --net FILE --routes FILE"
+        )
     if configuration is not None:
         scenario = _of_configuration(configuration, begin_s, end_s)
     else:
-        assert net is not None and routes is not None  # noqa: S101, PT018  the first check says so
+        assert net is not None and routes is not None  # noqa: S101  the first check says so
         scenario = Scenario(_stem(net), None, net, tuple(map(Path, routes.split(","))), (), begin_s, end_s)
     for file in (scenario.net, *scenario.routes, *scenario.additional):
         if not file.is_file():
             raise ScenarioError(f"{file} is missing ; a file that {configuration or 'the command line'} may name")
+    _check_net(scenario.net)
     if scenario.end_s is not None and scenario.end_s <= (scenario.begin_s or 0.0):
-        raise ScenarioError(f"--end {scenario.end_s:g} is not after --begin {scenario.begin_s or 0.0:g} ; a later second")
+        raise ScenarioError(
+            f"--end {scenario.end_s:g} is not after --begin {scenario.begin_s or 0.0:g} ; a later second"
+        )
     return scenario
+
+
+def _check_net(file: Path) -> None:
+    """A network begins with <net>. One that is compressed is left to SUMO."""
+    if file.suffix == ".gz":
+        return
+    try:
+        tag = next(ElementTree.iterparse(file, events=("start",)))[1].tag  # noqa: S314  the user's own
+    except (ElementTree.ParseError, StopIteration):
+        tag = "no XML"
+    if tag != "net":
+        raise ScenarioError(f"{file} is no network ({tag}) ; a file that netconvert has made")
 
 
 def _of_configuration(file: Path, begin_s: float | None, end_s: float | None) -> Scenario:

@@ -7,8 +7,8 @@ Pure: it reads no network and no simulation (sumo_network.py does). Words of SUM
 signal's state, one letter each; a *phase* is such a state with a duration.
 
 - A *stage* is the set of links that a green phase lets go. A green phase has a green letter and no amber one.
-- A *group* is the set of links that are green in the same stages. Links that are green in all are left green; links that
-  are green in none stay as they are.
+- A *group* is the set of links that are green in the same stages. Links that are green in all are left green; links
+  that are green in none stay as they are.
 - Two groups *conflict* if some link of one crosses a link of the other and they are green together in no phase. A
   permissive turn (letter g, which gives way) is therefore compatible with what it crosses.
 - A *movement* is the lanes of one edge that need the same groups. A lane that shares a straight and a turning link goes
@@ -18,6 +18,7 @@ signal's state, one letter each; a *phase* is such a state with a duration.
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from elmopp_tools.site_build import build_junction
 from elmopp_tools.site_model import (
     APPROACH_MAX,
     APPROACH_MOVEMENT_MAX,
@@ -27,7 +28,6 @@ from elmopp_tools.site_model import (
     Junction,
     SiteError,
 )
-from elmopp_tools.site_build import build_junction
 from elmopp_tools.site_rules import check_junction
 from elmopp_tools.stages import bits_of
 
@@ -162,7 +162,9 @@ def junction_of(signal: Signal, times: Times, reach_m: float) -> Junction:
             for index in members
         ],
         "conflicts": {
-            names[group]: [names[other] for other in bits_of(mask)] for group, mask in enumerate(signal.conflict) if mask
+            names[group]: [names[other] for other in bits_of(mask)]
+            for group, mask in enumerate(signal.conflict)
+            if mask
         },
         "intergreen_ds": 10 * (times.yellow_s + times.all_red_s),
         "stages": [[names[group] for group in bits_of(stage)] for stage in signal.stages],
@@ -225,7 +227,7 @@ def _green_phases(programme: Programme) -> list[Phase]:
     if not found:
         shown = " ".join(phase.state for phase in programme.phases)
         raise SignalError(
-            f"signal {programme.name} has no green phase ({shown}); right would be a phase with a letter G or g and no y"
+            f"signal {programme.name} has no green phase ({shown}); right would be one with a letter G or g and no y"
         )
     return list(found.values())
 
@@ -237,8 +239,8 @@ def _check_green(programme: Programme, phase: Phase) -> None:
         for second in green:
             if first < second and (first, second) in programme.foes:
                 raise SignalError(
-                    f"signal {programme.name} has conflicting greens in phase {phase.state}: links {first} and {second} "
-                    f"cross and both have G; right would be g for the one that gives way"
+                    f"signal {programme.name} has conflicting greens in phase {phase.state}: links {first} and "
+                    f"{second} cross and both have G; right would be g for the one that gives way"
                 )
 
 
@@ -252,9 +254,7 @@ def _columns(phases: Sequence[Phase]) -> dict[tuple[bool, ...], list[int]]:
     return columns
 
 
-def _conflicts(
-    programme: Programme, group_links: Sequence[Sequence[int]], stages: Sequence[int]
-) -> tuple[int, ...]:
+def _conflicts(programme: Programme, group_links: Sequence[Sequence[int]], stages: Sequence[int]) -> tuple[int, ...]:
     together = [0] * len(group_links)
     for stage in stages:
         for group in bits_of(stage):
@@ -279,9 +279,9 @@ def _movements(
     group_of = {link: group for group, links in enumerate(group_links) for link in links}
     links_of: dict[tuple[str, str], list[int]] = {}
     for link, lanes in enumerate(programme.lanes):
-        for lane in lanes:
+        for place in lanes:
             if link in group_of:
-                links_of.setdefault(lane, []).append(link)
+                links_of.setdefault(place, []).append(link)
     joined: dict[tuple[str, int], tuple[list[str], set[int]]] = {}
     edges: dict[str, None] = {}
     for (edge, lane), links in links_of.items():

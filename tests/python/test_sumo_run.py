@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""tools/sumo-run with the real SUMO: what it reports, what it shows, what it counts, what it refuses."""
+
+import csv
+import json
+import shutil
+import subprocess
+from itertools import groupby, pairwise
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from sumo_nets import cross, traffic
+
+ROOT = Path(__file__).resolve().parents[2]
+SUMO_BIN = ROOT / "build" / "venv" / "sumo" / "bin"
+PYTHON = SUMO_BIN / "python"
+
+
+def sumo_run(*words: object, expect: int = 0) -> list[dict[str, str]]:
+    done = run(*words)
+    assert done.returncode == expect, done.stderr
+    return list(csv.DictReader(done.stdout.splitlines()))
+
+
+def run(*words: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [ROOT / "tools" / "sumo-run", *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=100,
+        cwd=ROOT,
+    )
+
+
+def refused(*words: object) -> str:
+    done = run(*words)
+    assert done.returncode == 2, (done.returncode, done.stderr)
+    assert done.stderr.startswith("sumo-run: ")
+    assert done.stderr.count("\n") == 1, done.stderr
+    assert not done.stdout
+    return done.stderr
+
+
+def root_of(file: Path) -> ElementTree.Element:
+    return ElementTree.parse(file).getroot()  # noqa: S314  SUMO has just written it
+
+
+@pytest.fixture(scope="module")
+def simple(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """A cross with traffic that it can carry."""
+    folder = tmp_path_factory.mktemp("simple")
+    return cross(folder), traffic(folder)
+
+
+def configuration(folder: Path, net: Path, routes: str, *, more: str = "", additional: str = "") -> Path:
+    file = folder / "scenario.sumocfg"
+    file.write_text(
+        f'<configuration><input><net-file value="{net}"/><route-files value="{routes}"/>{additional}</input>'
+        f'<time><begin value="0"/><end value="300"/></time>{more}</configuration>'
+    )
+    return file
+
+
+# --- what it reports ---
+
+
+def test_static_is_what_plain_sumo_says(simple: tuple[Path, Path], tmp_path: Path) -> None:
+    net, routes = simple
+    (row,) = sumo_run(
+        "--net", net, "--routes", routes, "--end", 600, "--chooser", "static", "--seeds", 7, "--all-red", 0
+    )
+    trips, statistics = tmp_path / "trips.xml", tmp_path / "statistics.xml"
+    words = ["-n", net, "-r", routes, "--end", "600", "--seed", "7", "--no-step-log", "--tripinfo-output", trips]
+    words += ["--tripinfo-output.write-unfinished", "--statistic-output", statistics]
+    subprocess.run(list(map(str, [SUMO_BIN / "sumo", *words])), check=True, timeout=60, capture_output=True)
+    found = [t for t in root_of(trips) if float(t.get("depart", "-1")) >= 0]
+    assert len(found) > 100
+    delay = sum(float(t.get("timeLoss", "")) + float(t.get("departDelay", "")) for t in found) / len(found)
+    assert float(row["delay_s"]) == pytest.approx(delay, abs=0.001)
+    assert float(row["waiting_time_s"]) == pytest.approx(
+        sum(float(t.get("waitingTime", "")) for t in found) / len(found), abs=0.001
+    )
+    assert int(row["arrived"]) == sum(float(t.get("arrival", "-1")) >= 0 for t in found)
+    assert int(row["stops"]) == sum(int(t.get("waitingCount", "0")) for t in found)
+    assert row["signals"] == "1"
+    vehicles = root_of(statistics).find("vehicles")
+    assert vehicles is not None
+    assert row["not_inserted"] == vehicles.get("waiting")
+    assert row["teleports"] == "0"
+    assert int(row["switches"]) in range(18, 21), "62 s a cycle of two stages"
+
+
+@pytest.mark.parametrize("chooser", ["naive", "cumulative:ewma", "pressure", "sumo-actuated", "sumo-delay-based"])
+def test_a_controller_that_looks_beats_fixed_times(simple: tuple[Path, Path], chooser: str) -> None:
+    net, routes = simple
+    (fixed,) = sumo_run("--net", net, "--routes", routes, "--end", 600, "--chooser", "static", "--seeds", 1)
+    (row,) = sumo_run("--net", net, "--routes", routes, "--end", 600, "--chooser", chooser, "--seeds", 1)
+    assert float(row["delay_s"]) < float(fixed["delay_s"])
+    name, _, forecast = chooser.partition(":")
+    assert (row["scenario"], row["chooser"], row["forecast"], row["seed"]) == ("cross", name, forecast or "none", "1")
+    assert float(row["co2_kg"]) > float(row["fuel_kg"]) > 0
+    assert int(row["longest_red_s"]) < 120
+
+
+def test_seeds_are_rows_in_order_whoever_runs_them(simple: tuple[Path, Path], tmp_path: Path) -> None:
+    net, routes = simple
+    words = ("--net", net, "--routes", routes, "--end", 200, "--chooser", "naive")
+    rows = sumo_run(*words, "--seeds", "3,1-2", "--jobs", 2)
+    assert [row["seed"] for row in rows] == ["3", "1", "2"]
+    assert rows == [sumo_run(*words, "--seeds", seed)[0] for seed in (3, 1, 2)]
+    assert len({row["delay_s"] for row in rows}) == 3
+    table = tmp_path / "rows.csv"
+    assert sumo_run(*words, "--seeds", "3,1-2", "--csv", table) == []
+    assert list(csv.DictReader(table.read_text().splitlines())) == rows
+
+
+# --- what it shows ---
+
+
+def test_lamps_keep_the_times_whatever_is_chosen(simple: tuple[Path, Path], tmp_path: Path) -> None:
+    net, routes = simple
+    states = tmp_path / "states.xml"
+    saver = tmp_path / "save.add.xml"
+    saver.write_text(f'<additional><timedEvent type="SaveTLSStates" source="C" dest="{states}"/></additional>')
+    scenario = configuration(
+        tmp_path, net, str(routes), additional=f'<additional-files value="{saver.name}"/>', more=""
+    )
+    sumo_run(
+        "--sumocfg", scenario, "--chooser", "random", "--seeds", 5, "--end", 900, "--yellow", 4, "--all-red", 3,
+        "--min-green", 7, "--max-green", 20,
+    )  # fmt: skip
+    seen = [s.get("state", "") for s in root_of(states) if s.tag.endswith("tlsState")]
+    assert len(seen) > 890
+    assert len(set(seen)) > 4
+    for link in range(12):
+        runs = [(letter, len(list(group))) for letter, group in groupby(state[link].lower() for state in seen)]
+        for (letter, length), (following, _) in pairwise(runs[1:]):
+            if letter == "g":
+                assert length >= 7
+                assert following == "y"
+            if letter == "y":
+                assert length == 4
+                assert following == "r"
+    ns = [state[1].lower() == "g" for state in seen]
+    ew = [state[4].lower() == "g" for state in seen]
+    for second in range(7, len(seen)):
+        assert not (ew[second] and any(ns[second - 7 : second + 1]))
+        assert not (ns[second] and any(ew[second - 7 : second + 1]))
+
+
+# --- what it counts ---
+
+
+@pytest.mark.parametrize("pieces", [1, 3])
+def test_cameras_see_to_their_reach_across_cut_edges(tmp_path: Path, pieces: int) -> None:
+    net, routes = cross(tmp_path, pieces=pieces), traffic(tmp_path, pieces=pieces)
+    probe = ROOT / "tests" / "python" / "sumo_probe.py"
+    words = [str(word) for word in (PYTHON, probe, net, routes, 100, 300)]
+    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
+    rows = json.loads(done.stdout.splitlines()[-1])
+    differs = [row for row in rows if abs(row[0] - row[1]) > 1e-6]
+    assert max(row[1] for row in rows) > 15
+    assert len(differs) <= len(rows) * 0.02, differs
+    assert all(abs(row[0] - row[1]) <= 1.0 for row in rows)
+    entered = sum(row[2] for row in rows)
+    assert entered == pytest.approx(sum(row[1] for row in rows[-1:]) + entered - rows[-1][0], abs=1.0)
+
+
+# --- what it refuses ---
+
+
+def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
+    net, routes = simple
+    scenario = ("--net", net, "--routes", routes, "--end", 20)
+    text = refused(*scenario, "--chooser", "nave")
+    assert 'unknown chooser "nave"' in text
+    assert "naive" in text
+    assert "static" in text
+    assert "oracle" in refused(*scenario, "--chooser", "cumulative:oracle")
+    assert "'0'" in refused(*scenario, "--chooser", "naive", "--min-green", 0)
+    assert "--max-green 4 is below --min-green 5" in refused(*scenario, "--chooser", "naive", "--max-green", 4)
+    assert "'5-1'" in refused(*scenario, "--chooser", "naive", "--seeds", "5-1")
+    assert "'1,1'" in refused(*scenario, "--chooser", "naive", "--seeds", "1,1")
+    assert "'0.5'" in refused(*scenario, "--chooser", "naive", "--reach", 0.5)
+    assert "--chooser" in refused(*scenario)
+    assert "no/folder" in refused(*scenario, "--chooser", "naive", "--csv", "no/folder/x.csv")
+    assert "not after" in refused(*scenario, "--begin", 30, "--chooser", "naive")
+    assert "either --sumocfg" in refused("--net", net, "--chooser", "naive")
+    assert "either --sumocfg" in refused("--sumocfg", "x", *scenario, "--chooser", "naive")
+
+
+def test_files_that_are_not_there_or_are_not_sumos(simple: tuple[Path, Path], tmp_path: Path) -> None:
+    net, routes = simple
+    assert "no.net.xml is missing" in refused("--net", "no.net.xml", "--routes", routes, "--chooser", "naive")
+    assert "no.rou.xml is missing" in refused("--net", net, "--routes", "no.rou.xml", "--chooser", "naive")
+    assert "no.sumocfg is missing" in refused("--sumocfg", "no.sumocfg", "--chooser", "naive")
+    lost = configuration(tmp_path, net, "lost.rou.xml")
+    assert "lost.rou.xml is missing" in refused("--sumocfg", lost, "--chooser", "naive")
+    wrong = tmp_path / "wrong.sumocfg"
+    wrong.write_text("<configuration>")
+    assert "no XML" in refused("--sumocfg", wrong, "--chooser", "naive")
+    wrong.write_text("<routes/>")
+    assert "names no net-file" in refused("--sumocfg", wrong, "--chooser", "naive")
+    assert "no network" in refused("--net", routes, "--routes", routes, "--chooser", "naive")
+    bad = tmp_path / "bad.rou.xml"
+    bad.write_text('<routes><flow id="x" from="nowhere" to="C_N" begin="0" end="9" period="1"/></routes>')
+    done = run("--net", net, "--routes", bad, "--end", 20, "--chooser", "naive")
+    assert done.returncode == 2
+    assert "nowhere" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_networks_that_cannot_be_controlled(tmp_path: Path) -> None:
+    for name in ("none", "green", "amber"):
+        (tmp_path / name).mkdir()
+    net = cross(tmp_path / "none", signal="priority")
+    routes = traffic(tmp_path / "none", end_s=10)
+    assert "has no signal" in refused("--net", net, "--routes", routes, "--end", 20, "--chooser", "naive")
+    logic = '<tlLogic id="C" type="static" programID="0" offset="0"><phase duration="9" state="{}"/></tlLogic>'
+    crossing = f"<additional>{logic}</additional>"
+    net = cross(tmp_path / "green", tls=crossing.format("G" * 12))
+    text = refused("--net", net, "--routes", routes, "--end", 20, "--chooser", "naive")
+    assert "signal C has conflicting greens in phase GGGGGGGGGGGG" in text
+    text = refused("--net", net, "--routes", routes, "--end", 20, "--chooser", "naive", "--allow-partial")
+    assert "conflicting greens" in text, "nothing is left to control"
+    net = cross(tmp_path / "amber", tls=crossing.format("y" * 12))
+    assert "signal C has no green phase" in refused(
+        "--net", net, "--routes", routes, "--end", 20, "--chooser", "static"
+    )
+
+
+def test_without_sumo_it_says_what_to_do(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    done = subprocess.run(
+        ["/usr/bin/python3", tmp_path / "tools" / "sumo-run", "--chooser", "naive"],
+        capture_output=True, text=True, check=False, timeout=20,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == "sumo-run: this Python has no libsumo, sumolib; run ./tools/setup sumo\n"
