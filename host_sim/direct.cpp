@@ -14,7 +14,7 @@ class Direct final : public Control {
   public:
     Direct(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
         : scenario_(scenario), demand_(demand), oracle_(spec.forecast == "oracle"),
-          plugged_(make_chooser(spec, scenario)), present_veh_(scenario.capacity_veh.size()),
+          plugged_(make_chooser(spec, scenario.setting())), present_veh_(scenario.capacity_veh.size()),
           arrived_veh_(scenario.capacity_veh.size()) {
         const elmopp_forecast_config_t config = forecast_of(spec, demand);
         elmopp_pilot_init(&pilot_, &scenario.junction, &plugged_->chooser, &config);

@@ -114,7 +114,7 @@ class Experiment {
         for (const auto &block : blocks) {
             scenarios_.push_back(make_scenario(find_profile(block.profile), nullptr, request_.split));
             for (const auto &chooser : block.choosers) {
-                (void)make_chooser(chooser, scenarios_.back()); // a wrong option ends here, before anything runs
+                (void)make_chooser(chooser, scenarios_.back().setting()); // a wrong option ends here, before anything runs
                 for (const unsigned count : vehicles) {
                     for (std::uint64_t trial = 0; trial < request_.trials; ++trial) {
                         cells_.push_back({scenarios_.size() - 1, chooser, count, trial});
@@ -150,7 +150,7 @@ class Experiment {
             if (shipped_weights(cell.chooser.forecast) != nullptr) {
                 const Scenario &scenario = scenarios_[cell.scenario];
                 auto &most = steps[{integrator_of(scenario), cell.chooser.forecast}];
-                const std::uint16_t asked_s = make_chooser(cell.chooser, scenario)->chooser.horizon_s;
+                const std::uint16_t asked_s = make_chooser(cell.chooser, scenario.setting())->chooser.horizon_s;
                 most = std::max({most, asked_s, std::uint16_t{ELMOPP_PILOT_TRACE_S}});
             }
         }

@@ -374,12 +374,12 @@ nlohmann::ordered_json built() {
 void print_list() {
     std::printf("Profiles\n");
     for (const auto &profile : profiles()) {
-        std::printf("  %-12s %s\n", profile.name.c_str(), profile.what.c_str());
+        std::printf("  %-13s %s\n", profile.name.c_str(), profile.what.c_str());
     }
     std::printf("\nChoosers: NAME[@OPTION[=VALUE]...][:FORECAST]\n");
     for (const auto &kind : chooser_kinds()) {
-        std::printf("  %-12s %s%s\n", kind.name.c_str(), kind.what.c_str(), kind.rival ? " (rival)" : "");
-        std::printf("  %-12s   options: %s\n", "", join(kind.options, ", ").c_str());
+        std::printf("  %-13s %s%s\n", kind.name.c_str(), kind.what.c_str(), kind.rival ? " (rival)" : "");
+        std::printf("  %-13s   options: %s\n", "", join(kind.options, ", ").c_str());
     }
     std::printf("\nForecasts, read by cumulative: %s\n", join(forecast_names(), ", ").c_str());
 }

@@ -75,6 +75,10 @@ std::vector<std::string> Scenario::approach_names() const {
     return {&junction.approach_name[0], &junction.approach_name[junction.approach_count]};
 }
 
+Setting Scenario::setting() const {
+    return {junction, own_site, profile.literal};
+}
+
 Scenario make_scenario(const Profile &profile, const elmopp_junction_t *site, const std::vector<double> &split) {
     const bool paper = site == nullptr;
     Scenario scenario{profile, !paper, paper ? elmopp_site_paper : *site, {}, {}};

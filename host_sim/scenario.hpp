@@ -9,6 +9,7 @@
 
 #include "core.hpp"
 #include "inflow.hpp"
+#include "setting.hpp"
 
 #include <optional>
 #include <string>
@@ -42,6 +43,8 @@ struct Scenario {
     std::vector<double> share;        ///< [movement] of its approach's inflow
 
     [[nodiscard]] std::vector<std::string> approach_names() const;
+    /// What a chooser is told. The fluid reaches the queue as soon as it is counted. Valid as long as the scenario.
+    [[nodiscard]] Setting setting() const;
 };
 
 /// `site` null: the paper's own. `split`: shares of an approach's movements in site order, empty for equal ones.

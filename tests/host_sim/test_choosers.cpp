@@ -4,8 +4,11 @@
 /// Choosers by name: what is accepted, what it becomes, and that a refusal names the value and what would be right.
 
 #include "choosers.hpp"
+#include "cyclic.hpp"
 #include "error.hpp"
 #include "expect.hpp"
+#include "rounds.hpp"
+#include "scenario.hpp"
 #include "sites.hpp"
 
 #include <set>
@@ -17,18 +20,29 @@ extern "C" void tearDown(void) {}
 
 namespace {
 
-const std::string all_choosers = "naive, cumulative, pressure, itlc, oaf, fixed";
+const std::string all_choosers =
+    "naive, cumulative, pressure, itlc, oaf, fixed, webster, actuated, max-pressure, longest-queue, max-wave, "
+    "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
 const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, oracle";
 
 std::unique_ptr<Plugged> made(const std::string &text, const std::string &profile = "paper") {
     static std::map<std::string, Scenario> scenarios; // they outlive what is made for them
     const Scenario &scenario =
         scenarios.try_emplace(profile, make_scenario(find_profile(profile), nullptr)).first->second;
-    return make_chooser(parse_chooser(text), scenario);
+    return make_chooser(parse_chooser(text), scenario.setting());
+}
+
+/// The state of a chooser that is known to be of this kind.
+template <typename State> const State &state_of(const Plugged &plugged) {
+    return dynamic_cast<const PluggedAs<State> &>(plugged).state;
+}
+
+template <typename State> State state_of(const std::string &text) {
+    return state_of<State>(*made(text));
 }
 
 elmopp_urgency_options_t urgency(const std::string &text, const std::string &profile = "paper") {
-    return std::get<elmopp_urgency_t>(made(text, profile)->state).options;
+    return state_of<elmopp_urgency_t>(*made(text, profile)).options;
 }
 
 std::string refusal(const std::string &text) {
@@ -103,7 +117,7 @@ void test_seconds_out_of_range_are_refused() {
     expect_words(late_refusal("fixed@green=0.5"), {"green", "0.5"});
     TEST_ASSERT_EQUAL_UINT(60, urgency("naive@min=60").min_s);
     TEST_ASSERT_EQUAL_UINT(150, urgency("naive@max=150").max_s);
-    TEST_ASSERT_EQUAL_UINT(600, std::get<elmopp_pressure_t>(made("pressure@max=600")->state).max_s);
+    TEST_ASSERT_EQUAL_UINT(600, state_of<elmopp_pressure_t>("pressure@max=600").max_s);
 }
 
 // The value named must be the one that was given, not the site's minimum that it collides with.
@@ -114,12 +128,12 @@ void test_option_given_twice_is_refused() {
 // The specification's window of pressure is for the paper's junction.
 void test_pressure_takes_the_window_of_a_site_file() {
     const Scenario street = make_scenario(find_profile("saturation"), &elmopp_site_four_way);
-    const auto plain = make_chooser(parse_chooser("pressure"), street);
-    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_min_s, std::get<elmopp_pressure_t>(plain->state).min_s);
-    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s, std::get<elmopp_pressure_t>(plain->state).max_s);
-    const auto given = make_chooser(parse_chooser("pressure@min=7@max=99"), street);
-    TEST_ASSERT_EQUAL_UINT(7, std::get<elmopp_pressure_t>(given->state).min_s);
-    TEST_ASSERT_EQUAL_UINT(99, std::get<elmopp_pressure_t>(given->state).max_s);
+    const auto plain = make_chooser(parse_chooser("pressure"), street.setting());
+    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_min_s, state_of<elmopp_pressure_t>(*plain).min_s);
+    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s, state_of<elmopp_pressure_t>(*plain).max_s);
+    const auto given = make_chooser(parse_chooser("pressure@min=7@max=99"), street.setting());
+    TEST_ASSERT_EQUAL_UINT(7, state_of<elmopp_pressure_t>(*given).min_s);
+    TEST_ASSERT_EQUAL_UINT(99, state_of<elmopp_pressure_t>(*given).max_s);
 }
 
 void test_maximum_below_the_sites_minimum_names_the_maximum() {
@@ -141,13 +155,13 @@ void test_defaults() {
     TEST_ASSERT_FALSE(naive.cumulative || naive.frozen || naive.constant_age || naive.printed_sign || naive.stage_age ||
                       naive.windowless);
     TEST_ASSERT_TRUE(urgency("cumulative").cumulative);
-    const auto pressure = std::get<elmopp_pressure_t>(made("pressure")->state);
+    const auto pressure = state_of<elmopp_pressure_t>("pressure");
     TEST_ASSERT_EQUAL_FLOAT(3.0F, pressure.ratio);
     TEST_ASSERT_EQUAL_UINT(5, pressure.min_s);
     TEST_ASSERT_EQUAL_UINT(120, pressure.max_s);
-    TEST_ASSERT_EQUAL_DOUBLE(30.0, std::get<Itlc>(made("itlc")->state).ready_veh);
-    TEST_ASSERT_EQUAL_DOUBLE(10.0, std::get<Oaf>(made("oaf")->state).platoon_veh);
-    TEST_ASSERT_EQUAL_UINT(20, std::get<Fixed>(made("fixed")->state).green_s);
+    TEST_ASSERT_EQUAL_DOUBLE(30.0, state_of<Itlc>("itlc").ready_veh);
+    TEST_ASSERT_EQUAL_DOUBLE(10.0, state_of<Oaf>("oaf").platoon_veh);
+    TEST_ASSERT_EQUAL_UINT(20, state_of<Fixed>("fixed").green_s);
 }
 
 void test_options_arrive() {
@@ -161,14 +175,14 @@ void test_options_arrive() {
     TEST_ASSERT_TRUE(urgency("naive@printed-sign").printed_sign);
     TEST_ASSERT_TRUE(urgency("naive@stage-age").stage_age);
     TEST_ASSERT_TRUE(urgency("naive@windowless").windowless);
-    const auto pressure = std::get<elmopp_pressure_t>(made("pressure@h=2@min=8@max=90")->state);
+    const auto pressure = state_of<elmopp_pressure_t>("pressure@h=2@min=8@max=90");
     TEST_ASSERT_EQUAL_FLOAT(2.0F, pressure.ratio);
     TEST_ASSERT_EQUAL_UINT(8, pressure.min_s);
     TEST_ASSERT_EQUAL_UINT(90, pressure.max_s);
-    TEST_ASSERT_EQUAL_DOUBLE(12.5, std::get<Itlc>(made("itlc@ready=12.5")->state).ready_veh);
-    TEST_ASSERT_EQUAL_DOUBLE(ready_unlimited, std::get<Itlc>(made("itlc@ready=unlimited")->state).ready_veh);
-    TEST_ASSERT_EQUAL_DOUBLE(40.0, std::get<Oaf>(made("oaf@platoon=40")->state).platoon_veh);
-    TEST_ASSERT_EQUAL_UINT(45, std::get<Fixed>(made("fixed@green=45")->state).green_s);
+    TEST_ASSERT_EQUAL_DOUBLE(12.5, state_of<Itlc>("itlc@ready=12.5").ready_veh);
+    TEST_ASSERT_EQUAL_DOUBLE(ready_unlimited, state_of<Itlc>("itlc@ready=unlimited").ready_veh);
+    TEST_ASSERT_EQUAL_DOUBLE(40.0, state_of<Oaf>("oaf@platoon=40").platoon_veh);
+    TEST_ASSERT_EQUAL_UINT(45, state_of<Fixed>("fixed@green=45").green_s);
 }
 
 void test_windows_come_from_the_profile() {
@@ -211,7 +225,7 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
     const std::set<std::string> expected{
         "naive:none",     "cumulative:none", "cumulative:mean",  "cumulative:ewma",   "cumulative:persistence",
         "cumulative:ar8", "cumulative:lstm", "cumulative:nlstm", "cumulative:oracle", "pressure:none",
-        "itlc:none",      "oaf:none",        "fixed:none"};
+        "itlc:none",      "oaf:none",        "fixed:none", "webster:none", "actuated:none", "max-pressure:none", "longest-queue:none", "max-wave:none", "max-wave-hold:none", "elmopp-hold:none", "itlc-rounds:none", "scats:none", "scoot:none", "surtrac:none", "self-control:none", "random:none"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());
@@ -253,7 +267,7 @@ void test_kinds_say_what_there_is() {
         names += (names.empty() ? "" : ", ") + kind.name;
         TEST_ASSERT_FALSE(kind.what.empty());
         TEST_ASSERT_EQUAL(kind.name == "cumulative", kind.forecasts);
-        TEST_ASSERT_EQUAL(kind.name == "itlc" || kind.name == "oaf" || kind.name == "fixed", kind.rival);
+        TEST_ASSERT_EQUAL(kind.name != "naive" && kind.name != "cumulative" && kind.name != "pressure", kind.rival);
     }
     TEST_ASSERT_EQUAL_STRING(all_choosers.c_str(), names.c_str());
 }

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// The rivals, each asked second by second with a view made by hand: the paper's site with 0.5 vehicle/s a lane, so
-/// that n vehicles take 2 n seconds and a change of stage costs 1.5.
+/// ITLC, OAF and fixed times, each asked second by second with a view made by hand: the paper's site with 0.5 vehicle/s a
+/// lane, so that n vehicles take 2 n seconds and a change of stage costs 1.5.
 
+#include "cyclic.hpp"
 #include "expect.hpp"
-#include "rivals.hpp"
-#include "sites.hpp"
-
-#include <array>
+#include "rounds.hpp"
+#include "street.hpp"
 
 using namespace elmopp;
 
@@ -16,75 +15,6 @@ extern "C" void setUp(void) {}
 extern "C" void tearDown(void) {}
 
 namespace {
-
-// Stages: 0 {N.L,S.L} 1 {N.M,N.R,S.M,S.R} 2 {E.L,W.L} 3 {E.M,E.R,W.M,W.R} 4 N 5 E 6 S 7 W.
-enum Lane : std::uint8_t { NL, NM, NR, EL, EM, ER, SL, SM, SR, WL, WM, WR, lane_count };
-
-/// A junction whose lamps follow the chooser at once.
-class Street {
-  public:
-    explicit Street(const elmopp_chooser_t &chooser, int discharge = ELMOPP_DISCHARGE_SATURATION)
-        : chooser_(chooser), junction_(elmopp_site_paper) {
-        junction_.discharge = static_cast<std::uint8_t>(discharge);
-        view_.junction = &junction_;
-        view_.queue_veh = queue.data();
-        view_.arrivals_veh = arrivals.data();
-        view_.stage = ELMOPP_STAGE_NONE;
-        view_.target = ELMOPP_STAGE_NONE;
-    }
-
-    /// One second: the chooser's wish.
-    elmopp_stage_t second() {
-        const elmopp_stage_t wish = chooser_.choose(chooser_.state, &view_, score.data());
-        const unsigned before_ds = wish == view_.stage ? view_.elapsed_ds : 0U;
-        view_.elapsed_ds = static_cast<std::uint16_t>(before_ds + 10U);
-        view_.stage = wish;
-        view_.target = wish;
-        arrivals.fill(0.0F);
-        return wish;
-    }
-
-    /// One second of intergreen: nothing is shown, the target stays.
-    elmopp_stage_t hidden_second() {
-        view_.stage = ELMOPP_STAGE_NONE;
-        view_.elapsed_ds = 0;
-        const elmopp_stage_t wish = chooser_.choose(chooser_.state, &view_, score.data());
-        view_.stage = view_.target;
-        arrivals.fill(0.0F);
-        return wish;
-    }
-
-    /// Vehicles that come in this second.
-    void come(Lane lane, float vehicles) {
-        queue[lane] += vehicles;
-        arrivals[lane] += vehicles;
-    }
-
-    /// Seconds until the wish is another one; the queues stay as they are.
-    unsigned seconds_until_change() {
-        const elmopp_stage_t now = view_.target;
-        for (unsigned seconds = 1; seconds <= 200; ++seconds) {
-            if (second() != now) {
-                return seconds;
-            }
-        }
-        return 0;
-    }
-
-    /// All vehicles of a lane leave.
-    void clear(Lane lane) {
-        queue[lane] = 0.0F;
-    }
-
-    std::array<float, lane_count> queue{};
-    std::array<float, lane_count> arrivals{};
-    std::array<float, ELMOPP_STAGE_MAX> score{};
-
-  private:
-    elmopp_chooser_t chooser_;
-    elmopp_junction_t junction_;
-    elmopp_view_t view_{};
-};
 
 /// ITLC's green for this many vehicles on E.L as the first stage; then all are gone and N.L has some, so it leaves.
 unsigned first_itlc_green(float vehicles, double ready, int discharge = ELMOPP_DISCHARGE_SATURATION) {

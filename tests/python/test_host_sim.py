@@ -34,6 +34,10 @@ from scipy import stats
 ROOT = Path(__file__).resolve().parents[2]
 ONE_WAY = ROOT / "sites" / "one_way.toml"
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "host" / "bin" / "host_sim"))
+OTHER_RIVALS = (
+    *("webster", "actuated", "max-pressure", "longest-queue", "max-wave", "max-wave-hold", "elmopp-hold"),
+    *("itlc-rounds", "scats", "scoot", "surtrac", "self-control", "random"),
+)
 SITES = sorted((ROOT / "sites").glob("*.toml"))
 DIGESTS = ROOT / "tests" / "golden" / "log_digests.json"
 
@@ -400,6 +404,7 @@ def test_list_as_json() -> None:
         "itlc": True,
         "oaf": True,
         "fixed": True,
+        **dict.fromkeys(OTHER_RIVALS, True),
     }
     assert listed["forecasts"] == ["none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "oracle"]
     assert listed["links"] == ["inproc", "can"]

@@ -51,7 +51,9 @@ def tree(tmp_path: Path) -> Path:
     write(tmp_path, "firmware/include/elmopp/junction.h", '#include "elmopp/bounds.h"\n\n#include <stdint.h>\n')
     write(tmp_path, "firmware/include/elmopp/plan.h", '#include "elmopp/junction.h"\n')
     write(tmp_path, "firmware/src/plan.c", '#include "elmopp/plan.h"\n\n#include "elmopp/assert.h"\n')
-    write(tmp_path, "host_sim/rivals.hpp", '#include "core.hpp"\n#include <deque>\n')
+    write(tmp_path, "choosers/view.hpp", '#include "core.hpp"\n')
+    write(tmp_path, "choosers/rounds.hpp", '#include "view.hpp"\n#include <deque>\n')
+    write(tmp_path, "choosers/choosers.hpp", '#include "rounds.hpp"\n#include "csv.hpp"\n')
     write(tmp_path, "host_sim/main.cpp", '#include "elmopp/plan.h"\n#include "whatever.hpp"\n')
     return tmp_path
 
@@ -170,11 +172,21 @@ def test_a_room_without_a_level_is_found(tree: Path, capsys: pytest.CaptureFixtu
 
 
 @pytest.mark.parametrize(
-    "what", ['"elmopp/plan.h"', '"elmopp/pilot.h"', '"traffic.hpp"', "<elmopp/plan.h>", '"../host_sim/trial.hpp"']
+    "what",
+    [
+        *['"elmopp/plan.h"', '"elmopp/pilot.h"', '"traffic.hpp"', "<elmopp/plan.h>", '"../host_sim/trial.hpp"'],
+        *['"scenario.hpp"', '"csv.hpp"', '"choosers.hpp"'],
+    ],
 )
 def test_a_rival_knows_the_choosers_view_only(tree: Path, capsys: pytest.CaptureFixture[str], what: str) -> None:
-    write(tree, "host_sim/rivals.cpp", f'#include "rivals.hpp"\n#include <vector>\n#include {what}\n')
-    expect_broken(tree, capsys, f"host_sim/rivals.cpp:3: #include {what}")
+    write(tree, "choosers/rounds.cpp", f'#include "rounds.hpp"\n#include <vector>\n#include {what}\n')
+    expect_broken(tree, capsys, f"choosers/rounds.cpp:3: #include {what}")
+
+
+@pytest.mark.parametrize("what", ['"scenario.hpp"', '"whole_file.hpp"', '"elmopp/pilot.h"'])
+def test_who_names_the_choosers_knows_no_simulator(tree: Path, capsys: pytest.CaptureFixture[str], what: str) -> None:
+    write(tree, "choosers/making.cpp", f'#include "choosers.hpp"\n#include "error.hpp"\n#include {what}\n')
+    expect_broken(tree, capsys, f"choosers/making.cpp:3: #include {what}")
 
 
 def test_every_break_has_a_line(tree: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -23,7 +23,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "build" / "check"
 PRESETS = ("host", "asan", "release", "cortex-m4", "fuzz")
-C_FOLDERS = ("firmware", "host_files", "host_sim", "tests")
+C_FOLDERS = ("firmware", "host_files", "choosers", "host_sim", "tests")
 C_SUFFIXES = (".c", ".h", ".cpp", ".hpp")
 JOBS = len(os.sched_getaffinity(0))
 
@@ -229,7 +229,8 @@ def check_tidy() -> str | None:
     if not database.exists():
         return "build/host/compile_commands.json is missing: the preset host was not configured"
     compiled = {Path(entry["file"]).resolve() for entry in json.loads(database.read_text(encoding="utf-8"))}
-    folders = (ROOT / "firmware" / "src", ROOT / "firmware" / "port", ROOT / "host_files", ROOT / "host_sim")
+    folders = [ROOT / "firmware" / "src", ROOT / "firmware" / "port"]
+    folders += [ROOT / "host_files", ROOT / "choosers", ROOT / "host_sim"]
     files = sorted(str(f.relative_to(ROOT)) for f in compiled if any(f.is_relative_to(folder) for folder in folders))
     if not files:
         return "the preset host compiles no file of firmware/src or host_sim"

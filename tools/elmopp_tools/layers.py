@@ -79,8 +79,11 @@ ROOMS["station"] = ROOMS["controller"] | {"controller", "pressure", "urgency"}
 # The standard headers that need no library.
 SYSTEM_HEADERS = frozenset({"assert.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"})
 
-# What a rival of host_sim may include with quotes.
-RIVALS_HEADERS = frozenset({"core.hpp", "rivals.hpp", "elmopp/bounds.h", "elmopp/chooser.h", "elmopp/junction.h"})
+# What a rival may include with quotes, beside the headers of its own folder but for those of the naming.
+RIVALS_HEADERS = frozenset({"core.hpp", "elmopp/bounds.h", "elmopp/chooser.h", "elmopp/junction.h"})
+# Who knows all rivals by name, and the headers of host_files that he may include for it.
+NAMING = frozenset({"choosers", "making"})
+NAMING_HEADERS = RIVALS_HEADERS | {"csv.hpp", "error.hpp"}
 
 # What the library may leave to the port and the compiler: no heap, no output, no libm, no double-precision helper.
 OUTSIDE_SYMBOLS = frozenset({"elmopp_assert_failed", "memcmp", "memcpy", "memmove", "memset"})
@@ -170,9 +173,17 @@ def broken_includes(root: Path) -> Iterator[str]:
             yield from _broken_in_file(path, name, partial(_why_not_in_room, path.stem))
         else:
             yield f"{name}: room {path.stem} has no level; right would be a row in ROOMS of elmopp_tools/layers.py"
-    for path in _sources(root / "host_sim"):
-        if path.stem == "rivals":
-            yield from _broken_in_file(path, str(path.relative_to(root)), _why_not_in_rivals)
+    yield from _broken_in_choosers(root)
+
+
+def _broken_in_choosers(root: Path) -> Iterator[str]:
+    """A rival knows the chooser's view, not the simulator that calls it."""
+    folder = root / "choosers"
+    own = frozenset(path.name for path in _sources(folder) if path.suffix == ".hpp")
+    names = frozenset(f"{stem}.hpp" for stem in NAMING)
+    for path in _sources(folder):
+        allowed = own | NAMING_HEADERS if path.stem in NAMING else (own - names) | RIVALS_HEADERS
+        yield from _broken_in_file(path, str(path.relative_to(root)), partial(_why_not_in_rival, allowed))
 
 
 def _sources(folder: Path) -> list[Path]:
@@ -219,13 +230,13 @@ def _why_not_in_room(room: str, what: str) -> str | None:
     return f"{room} may know {', '.join(sorted(ROOMS[room])) or 'no other room'}"
 
 
-def _why_not_in_rivals(what: str) -> str | None:
+def _why_not_in_rival(allowed: frozenset[str], what: str) -> str | None:
     """Why a rival must not include this; None if it may. The C++ library is free."""
     if what.startswith("<") and what.endswith(">") and "elmopp" not in what:
         return None
-    if what.startswith('"') and what.strip('"') in RIVALS_HEADERS:
+    if what.startswith('"') and what.strip('"') in allowed:
         return None
-    return f"a rival may know {', '.join(sorted(RIVALS_HEADERS))}"
+    return f"a rival may know {', '.join(sorted(allowed))}"
 
 
 def broken_symbols(library: Path, nm: str) -> Iterator[str]:

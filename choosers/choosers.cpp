@@ -8,13 +8,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <tuple>
 
 namespace elmopp {
 namespace {
 
-constexpr unsigned pressure_max_s = 600;
 const std::vector<std::string> urgency_options{"min",          "max",          "hysteresis=1", "frozen",
                                                "constant-age", "printed-sign", "stage-age",    "windowless"};
 
@@ -65,76 +62,6 @@ void add_option(ChooserSpec &spec, const ChooserKind &kind, const std::string &w
     }
 }
 
-bool has(const ChooserSpec &spec, const std::string &option) {
-    return spec.options.count(option) != 0;
-}
-
-/// An option's number, or the default.
-double number_or(const ChooserSpec &spec, const std::string &option, double otherwise) {
-    const auto found = spec.options.find(option);
-    if (found == spec.options.end()) {
-        return otherwise;
-    }
-    double value = ready_unlimited;
-    (void)parse_number(found->second, value);
-    return value;
-}
-
-/// A whole number of seconds between bounds. Throws BadRequest naming the value.
-std::uint16_t seconds_or(const ChooserSpec &spec, const std::string &option, unsigned otherwise, unsigned lowest,
-                         unsigned highest) {
-    const double value = number_or(spec, option, otherwise);
-    if (value != std::floor(value) || value < lowest || value > highest) {
-        throw BadRequest("option " + option + " of chooser " + spec.name + " is " + format_number(value, 9) +
-                         "; right would be a whole number of seconds from " + std::to_string(lowest) + " to " +
-                         std::to_string(highest));
-    }
-    return static_cast<std::uint16_t>(value);
-}
-
-/// The window, each end held against the other: the message names the one that was given.
-std::pair<std::uint16_t, std::uint16_t> window_of(const ChooserSpec &spec, unsigned min_s, unsigned max_s,
-                                                  unsigned highest) {
-    const unsigned min_highest = has(spec, "max") ? highest : std::min(max_s, highest);
-    const std::uint16_t shortest = seconds_or(spec, "min", min_s, 1, min_highest);
-    return {shortest, seconds_or(spec, "max", max_s, shortest, highest)};
-}
-
-float factor_or(const ChooserSpec &spec, const std::string &option, double otherwise) {
-    const double value = number_or(spec, option, otherwise);
-    if (!(value >= 1.0 && value <= 1e6)) {
-        throw BadRequest("option " + option + " of chooser " + spec.name + " is " + format_number(value, 9) +
-                         "; right would be 1 to 1000000");
-    }
-    return static_cast<float>(value);
-}
-
-/// Under profile `literal` both take the best stage of every second; naive keeps eq. 2 (T per subedge), cumulative is
-/// Algorithm 1 with its age per configuration and the printed sign, which leaves T constant inside the sum.
-elmopp_urgency_options_t urgency_options_of(const ChooserSpec &spec, const Scenario &scenario) {
-    const bool literal = scenario.profile.literal;
-    const bool cumulative = spec.name == "cumulative";
-    elmopp_urgency_options_t options{};
-    std::tie(options.min_s, options.max_s) =
-        window_of(spec, literal ? 1U : scenario.junction.hold_min_s, scenario.junction.hold_max_s, ELMOPP_HORIZON_MAX);
-    options.hysteresis = factor_or(spec, "hysteresis", 1.0);
-    options.cumulative = cumulative;
-    options.frozen = has(spec, "frozen");
-    options.constant_age = has(spec, "constant-age") || (literal && cumulative);
-    options.printed_sign = has(spec, "printed-sign") || (literal && cumulative);
-    options.stage_age = has(spec, "stage-age") || (literal && cumulative);
-    options.windowless = has(spec, "windowless") || literal;
-    return options;
-}
-
-/// The specification's window of pressure is for the paper's junction; a site's own window holds for every chooser.
-elmopp_pressure_t pressure_of(const ChooserSpec &spec, const Scenario &scenario) {
-    const unsigned site_min_s = scenario.own_site ? scenario.junction.hold_min_s : ELMOPP_PRESSURE_MIN_S;
-    const unsigned site_max_s = scenario.own_site ? scenario.junction.hold_max_s : ELMOPP_PRESSURE_MAX_S;
-    const auto [min_s, max_s] = window_of(spec, site_min_s, site_max_s, pressure_max_s);
-    return {factor_or(spec, "h", static_cast<double>(ELMOPP_PRESSURE_RATIO)), min_s, max_s};
-}
-
 } // namespace
 
 std::string ChooserSpec::label() const {
@@ -161,6 +88,32 @@ const std::vector<ChooserKind> &chooser_kinds() {
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},
         {"fixed", "fixed times in a covering cycle", true, false, {"green=20"}},
+        {"webster",
+         "fixed times by Webster's formula from the first 15 minutes' flows",
+         true,
+         false,
+         {"green=20", "cycle-min=30", "cycle-max=120"}},
+        {"actuated", "phases in turn, each until the first gap; those that nobody calls are skipped", true, false,
+         {"gap=3", "min=5", "max=60"}},
+        {"max-pressure", "largest sum of saturation flow times (vehicles here less vehicles behind)", true, false,
+         {"interval=10"}},
+        {"longest-queue", "the stage that contains the longest queue", true, false, {"min=5"}},
+        {"max-wave", "the stage with most vehicles, waiting or on their way", true, false, {"min=5"}},
+        {"max-wave-hold", "the same, left for 4 more vehicles a lane or when nearly empty", true, false,
+         {"min=5", "margin=4", "empty=1"}},
+        {"elmopp-hold", "naive urgency in which what is green counts twice", true, false,
+         {"min=5", "max=60", "weight=2"}},
+        {"itlc-rounds", "ITLC in rounds: the densest stage not yet served, green until it has crossed", true, false,
+         {"ready=unlimited"}},
+        {"scats", "a cycle and a split that follow the degree of saturation", true, false,
+         {"cycle-min=40", "cycle-med=70", "cycle-max=120"}},
+        {"scoot", "a cycle that a model of the queues moves by seconds", true, false,
+         {"cycle-max=120", "target=0.9"}},
+        {"surtrac", "the first cluster of the cheapest schedule of all that are seen", true, false,
+         {"min=5", "max=60", "gap=3"}},
+        {"self-control", "most vehicles for each second it takes, nobody too late", true, false,
+         {"min=5", "period=120", "longest=180"}},
+        {"random", "any stage, drawn anew again and again", true, false, {"interval=10", "seed=1"}},
     };
     return kinds;
 }
@@ -233,24 +186,6 @@ std::uint8_t forecast_kind(const std::string &name) {
     const auto &names = forecast_names();
     const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
     return static_cast<std::uint8_t>(index < ELMOPP_FORECAST_COUNT ? index : 0);
-}
-
-std::unique_ptr<Plugged> make_chooser(const ChooserSpec &spec, const Scenario &scenario) {
-    auto plugged = std::make_unique<Plugged>();
-    if (spec.name == "pressure") {
-        plugged->chooser =
-            elmopp_pressure_init(&plugged->state.emplace<elmopp_pressure_t>(pressure_of(spec, scenario)));
-    } else if (spec.name == "itlc") {
-        plugged->chooser = plug(plugged->state.emplace<Itlc>(Itlc{number_or(spec, "ready", 30.0)}));
-    } else if (spec.name == "oaf") {
-        plugged->chooser = plug(plugged->state.emplace<Oaf>(Oaf{number_or(spec, "platoon", 10.0), 0, 0.0, {}}));
-    } else if (spec.name == "fixed") {
-        plugged->chooser = plug(plugged->state.emplace<Fixed>(Fixed{seconds_or(spec, "green", 20, 1, 600), {}}));
-    } else {
-        const auto options = urgency_options_of(spec, scenario);
-        plugged->chooser = elmopp_urgency_init(&plugged->state.emplace<elmopp_urgency_t>(), &options);
-    }
-    return plugged;
 }
 
 } // namespace elmopp

@@ -8,13 +8,12 @@
 #pragma once
 
 #include "core.hpp"
-#include "rivals.hpp"
-#include "scenario.hpp"
+#include "plugged.hpp"
+#include "setting.hpp"
 
 #include <map>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace elmopp {
@@ -58,13 +57,8 @@ ChooserSpec site_chooser(const elmopp_junction_t &junction);
 /// ELMOPP_FORECAST_* of a name; `oracle` counts as none, its rows come from outside.
 std::uint8_t forecast_kind(const std::string &name);
 
-/// A chooser with its state. Not movable: the core's pointer leads into it.
-struct Plugged {
-    std::variant<elmopp_urgency_t, elmopp_pressure_t, Itlc, Oaf, Fixed> state;
-    elmopp_chooser_t chooser{};
-};
-
-/// Builds it for a scenario: the window comes from the site or the profile unless the options say otherwise.
-std::unique_ptr<Plugged> make_chooser(const ChooserSpec &spec, const Scenario &scenario);
+/// Builds it. Throws BadRequest naming an option whose value does not fit the setting: the window comes from the setting's
+/// junction unless the options say otherwise.
+std::unique_ptr<Plugged> make_chooser(const ChooserSpec &spec, const Setting &setting);
 
 } // namespace elmopp
