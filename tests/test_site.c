@@ -634,9 +634,11 @@ static void test_a_simulation_may_have_stages_that_are_not_maximal(void) {
     site.rescue_stage[3] = 2U;
     site.program[0].step[3].stage = 3U;
     expect_ok();
-    site.stage_groups[3] = 0x0008U;
-    site.rescue_stage[2] = 2U;
-    expect(ELMOPP_SITE_STAGE, 3U, 2U);
+    site.stage_groups[4] = 0x0008U;
+    site.stage_count = 5U;
+    expect(ELMOPP_SITE_STAGE, 4U, 2U);
+    site.stage_groups[4] = 0x0009U;
+    expect(ELMOPP_SITE_STAGE_CONFLICT, 0U, 3U);
 }
 
 /* One way to leave each group of a pair out: 0 and 1 may be green together, and so may 2 and 3. */

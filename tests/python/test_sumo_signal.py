@@ -113,7 +113,7 @@ def test_the_same_green_twice_is_one_stage() -> None:
 
 
 def test_links_that_are_always_green_belong_to_no_group() -> None:
-    signal = read_signal(programme("GgGrrg", "rrrGGg"))
+    signal = read_signal(programme("GgGrrg", "rrrgGg"))
     assert 5 not in [link for links in signal.group_links for link in links]
     assert [m.lanes for m in signal.movements] == [("N_0",), ("S_0",), ("S_1",), ("E_0",)]
     assert letters(signal, 0, 1, "4411")[5] == "g"

@@ -4,6 +4,7 @@
 """libelmopp.so from Python: one junction, counts in, lamps out. library/elmopp.h is the manual."""
 
 import ctypes
+import os
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -70,7 +71,12 @@ class Shape(ctypes.Structure):
 
 @cache
 def load(place: Path | None = None) -> ctypes.CDLL:
-    """The library at a place, or the first one found; LibraryError if there is none or it is of another version."""
+    """The library at a place, at $ELMOPP_LIBRARY, or the first one found.
+
+    LibraryError if there is none or it is of another version.
+    """
+    named = os.environ.get("ELMOPP_LIBRARY")
+    place = place or (Path(named) if named else None)
     found = [path for path in ((place,) if place else _PLACES) if path.exists()]
     if not found:
         looked = place or _PLACES[0]
