@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Approaching: of the vehicles inside the counted reach, who has reached the queue and who is still on his way; and how
-/// many come.
+/// Approaching: of the vehicles inside the counted reach, who has reached the queue and who is still on his way; and
+/// how many come.
 ///
 /// A camera says how many are there and how many came. Who came less than travel_s ago drives, in the order of arrival;
 /// if fewer are there than drive, the oldest have left early. With travel_s = 0 everybody is queued.

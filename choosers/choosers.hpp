@@ -57,8 +57,8 @@ ChooserSpec site_chooser(const elmopp_junction_t &junction);
 /// ELMOPP_FORECAST_* of a name; `oracle` counts as none, its rows come from outside.
 std::uint8_t forecast_kind(const std::string &name);
 
-/// Builds it. Throws BadRequest naming an option whose value does not fit the setting: the window comes from the setting's
-/// junction unless the options say otherwise.
+/// Builds it. Throws BadRequest naming an option whose value does not fit the setting: the window comes from the
+/// setting's junction unless the options say otherwise.
 std::unique_ptr<Plugged> make_chooser(const ChooserSpec &spec, const Setting &setting);
 
 } // namespace elmopp

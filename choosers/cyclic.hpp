@@ -21,8 +21,9 @@ struct Fixed {
     elmopp_stage_t choose(const elmopp_view_t &view, float *score);
 };
 
-/// Webster (F. V. Webster, Traffic signal settings, Road Research Technical Paper 39, 1958): cycle (1.5 L + 5) / (1 - Y)
-/// with L the lost time of a round and Y the sum of the critical flow ratios, effective greens in proportion to these.
+/// Webster (F. V. Webster, Traffic signal settings, Road Research Technical Paper 39, 1958): cycle (1.5 L + 5) / (1 -
+/// Y) with L the lost time of a round and Y the sum of the critical flow ratios, effective greens in proportion to
+/// these.
 ///
 /// The flows are the mean of the first 15 minutes; until then they are the mean so far, taken anew at the start of each
 /// round, and every stage has default_s for the first two minutes.

@@ -18,8 +18,8 @@ void score_vehicles(const elmopp_view_t &view, float *score) {
 }
 
 double load_of(const elmopp_view_t &view, std::size_t movement) {
-    return static_cast<double>(elmopp_junction_load(view.junction, static_cast<std::uint32_t>(movement),
-                                                    view.queue_veh[movement]));
+    return static_cast<double>(
+        elmopp_junction_load(view.junction, static_cast<std::uint32_t>(movement), view.queue_veh[movement]));
 }
 
 /// The best of the other stages; the shown one if it is the only one.

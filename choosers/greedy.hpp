@@ -22,16 +22,16 @@ struct LongestQueue {
     elmopp_stage_t choose(const elmopp_view_t &view, float *score);
 };
 
-/// The stage with most vehicles, waiting or on their way (the greedy rule that Alegre et al. and other studies of learnt
-/// control call max wave).
+/// The stage with most vehicles, waiting or on their way (the greedy rule that Alegre et al. and other studies of
+/// learnt control call max wave).
 struct MaxWave {
     unsigned min_s;
 
     elmopp_stage_t choose(const elmopp_view_t &view, float *score);
 };
 
-/// Max wave that stays: it leaves for a stage with margin_veh more vehicles for each lane which that stage serves, or for
-/// the best one when fewer than empty_veh a lane are left of its own.
+/// Max wave that stays: it leaves for a stage with margin_veh more vehicles for each lane which that stage serves, or
+/// for the best one when fewer than empty_veh a lane are left of its own.
 struct MaxWaveHold {
     unsigned min_s;
     double margin_veh;
@@ -51,8 +51,8 @@ struct ElmoppHold {
 };
 
 /// Max pressure (P. Varaiya, Max pressure control of a network of signalized intersections, Transp. Res. C 36, 2013):
-/// every interval_s the stage with the largest sum of saturation flow times (vehicles here less vehicles where they go).
-/// Without a count of the roads behind, these are taken as empty.
+/// every interval_s the stage with the largest sum of saturation flow times (vehicles here less vehicles where they
+/// go). Without a count of the roads behind, these are taken as empty.
 struct MaxPressure {
     unsigned interval_s;
     const float *downstream_veh; ///< [movement], may be null

@@ -181,8 +181,8 @@ Made make_scats(const ChooserSpec &spec, const Setting & /*setting*/) {
     const std::uint16_t shortest_s = seconds_or(spec, "cycle-min", 40, 1, longest_s);
     const std::uint16_t longest_cycle_s = seconds_or(spec, "cycle-max", 120, shortest_s, longest_s);
     const unsigned medium_s = std::clamp<unsigned>(70, shortest_s, longest_cycle_s);
-    return plugged(Scats{shortest_s, seconds_or(spec, "cycle-med", medium_s, shortest_s, longest_cycle_s),
-                         longest_cycle_s});
+    return plugged(
+        Scats{shortest_s, seconds_or(spec, "cycle-med", medium_s, shortest_s, longest_cycle_s), longest_cycle_s});
 }
 
 Made make_scoot(const ChooserSpec &spec, const Setting & /*setting*/) {
@@ -191,15 +191,15 @@ Made make_scoot(const ChooserSpec &spec, const Setting & /*setting*/) {
 
 Made make_surtrac(const ChooserSpec &spec, const Setting &setting) {
     const auto [min_s, max_s] = rival_window_of(spec, setting);
-    return plugged(Surtrac{min_s, max_s, seconds_or(spec, "gap", 3, 1, longest_s), Approaching(setting.travel_s)});
+    return plugged(Surtrac{min_s, max_s, seconds_or(spec, "gap", 3, 1, longest_s),
+                           seconds_or(spec, "horizon", 60, 1, longest_s), Approaching(setting.travel_s)});
 }
 
 Made make_self_control(const ChooserSpec &spec, const Setting &setting) {
-    const std::uint16_t period_s = seconds_or(spec, "period", 120, 1, longest_s);
+    const std::uint16_t period_s = seconds_or(spec, "period", 60, 1, longest_s);
     const std::uint16_t longest_interval_s =
-        seconds_or(spec, "longest", std::max<unsigned>(180, period_s), period_s, 2 * longest_s);
-    return plugged(
-        SelfControl{min_of(spec, setting), period_s, longest_interval_s, Approaching(setting.travel_s)});
+        seconds_or(spec, "longest", std::max<unsigned>(90, period_s), period_s, 2 * longest_s);
+    return plugged(SelfControl{min_of(spec, setting), period_s, longest_interval_s, Approaching(setting.travel_s)});
 }
 
 Made make_random(const ChooserSpec &spec, const Setting &setting) {
@@ -211,15 +211,24 @@ Made make_random(const ChooserSpec &spec, const Setting &setting) {
 
 const std::map<std::string, Made (*)(const ChooserSpec &, const Setting &)> &makers() {
     static const std::map<std::string, Made (*)(const ChooserSpec &, const Setting &)> all{
-        {"naive", make_urgency},           {"cumulative", make_urgency},
-        {"pressure", make_pressure},       {"itlc", make_itlc},
-        {"oaf", make_oaf},                 {"fixed", make_fixed},
-        {"webster", make_webster},         {"actuated", make_actuated},
-        {"max-pressure", make_max_pressure}, {"longest-queue", make_longest_queue},
-        {"max-wave", make_max_wave},       {"max-wave-hold", make_max_wave_hold},
-        {"elmopp-hold", make_elmopp_hold}, {"itlc-rounds", make_itlc_rounds},
-        {"scats", make_scats}, {"scoot", make_scoot},
-        {"surtrac", make_surtrac},         {"self-control", make_self_control},
+        {"naive", make_urgency},
+        {"cumulative", make_urgency},
+        {"pressure", make_pressure},
+        {"itlc", make_itlc},
+        {"oaf", make_oaf},
+        {"fixed", make_fixed},
+        {"webster", make_webster},
+        {"actuated", make_actuated},
+        {"max-pressure", make_max_pressure},
+        {"longest-queue", make_longest_queue},
+        {"max-wave", make_max_wave},
+        {"max-wave-hold", make_max_wave_hold},
+        {"elmopp-hold", make_elmopp_hold},
+        {"itlc-rounds", make_itlc_rounds},
+        {"scats", make_scats},
+        {"scoot", make_scoot},
+        {"surtrac", make_surtrac},
+        {"self-control", make_self_control},
         {"random", make_random},
     };
     return all;

@@ -7,8 +7,8 @@
 ///
 ///     elmopp_stage_t choose(const elmopp_view_t &view, float *score)
 ///
-/// called once a second, in the intergreen too. The scores are 0 when it is called. It names a stage that there is; what
-/// it says in the intergreen is not heard, and the plan below may show a stage that it has not asked for.
+/// called once a second, in the intergreen too. The scores are 0 when it is called. It names a stage that there is;
+/// what it says in the intergreen is not heard, and the plan below may show a stage that it has not asked for.
 
 #pragma once
 

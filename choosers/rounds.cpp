@@ -113,7 +113,8 @@ elmopp_stage_t Itlc::choose(const elmopp_view_t &view, float *score) {
 }
 
 double ItlcRounds::ready_of(const elmopp_view_t &view, std::size_t movement) const {
-    return std::min(queue_of(view, movement), ready_veh * std::max<double>(1.0, view.junction->movement[movement].lanes));
+    return std::min(queue_of(view, movement),
+                    ready_veh * std::max<double>(1.0, view.junction->movement[movement].lanes));
 }
 
 /// ELMOPP_STAGE_NONE if no stage but those of the mask has vehicles.

@@ -28,9 +28,10 @@ struct Itlc {
 };
 
 /// ITLC in rounds (Younes and Boukerche, LCN workshops 2014; IEEE Trans. Veh. Technol. 2016; reconstructed from the
-/// abstracts): a stage is served once a round. At the end of each green the densest of the stages that have vehicles and
-/// have not been served yet, green until the farthest of its vehicles has crossed, 5 to 60 s; when there is none, a new
-/// round begins; when nobody is there at all, the green rests. Density is vehicles of the ready areas over capacity.
+/// abstracts): a stage is served once a round. At the end of each green the densest of the stages that have vehicles
+/// and have not been served yet, green until the farthest of its vehicles has crossed, 5 to 60 s; when there is none, a
+/// new round begins; when nobody is there at all, the green rests. Density is vehicles of the ready areas over
+/// capacity.
 struct ItlcRounds {
     double ready_veh; ///< ready area, vehicles a lane
     Approaching approaching{};

@@ -20,6 +20,7 @@ constexpr double step_s = 6.0;
 constexpr double second_step_s = 9.0; ///< if the last change was already a whole step
 constexpr std::size_t voting_rounds = 5;
 constexpr std::size_t plans_max = 256;
+constexpr std::size_t weight_max = 3; ///< finer plans would only scatter the votes
 
 double between(double from_s, double to_s, double share) {
     return from_s + (to_s - from_s) * share;
@@ -33,7 +34,7 @@ double damped_s(double difference_s) {
     return difference_s <= 8.0 ? 0.5 * difference_s + 2.0 : 0.25 * difference_s + 4.0;
 }
 
-/// Every vector of weights from 1 to `most`, the equal one first; multiples of others are there too and do no harm.
+/// Every vector of weights from 1 to `most`, the equal one first, without the multiples of others.
 std::vector<std::vector<double>> splits(std::size_t positions, std::size_t most) {
     std::vector<std::vector<double>> all{std::vector<double>(positions, 1.0)};
     std::vector<double> weights = all.front();
@@ -46,19 +47,24 @@ std::vector<std::vector<double>> splits(std::size_t positions, std::size_t most)
             return all;
         }
         weights[digit] += 1.0;
-        all.push_back(weights);
+        // Weights up to 3 have a common factor only if all are multiples of the least.
+        const double least = *std::min_element(weights.begin(), weights.end());
+        const auto is_multiple = [least](double weight) { return std::fmod(weight, least) == 0.0; };
+        if (least < 2.0 || !std::all_of(weights.begin(), weights.end(), is_multiple)) {
+            all.push_back(weights);
+        }
     }
 }
 
-/// As fine as a bounded library can be: 3 or more weights for few positions; with many, twice the green for any one.
+/// Three weights for few positions, two for more; with many, twice the green for any one.
 std::vector<std::vector<double>> split_library(std::size_t positions) {
     std::size_t most = 1;
-    while (most < plans_max && std::pow(static_cast<double>(most + 1), static_cast<double>(positions)) <=
-                                   static_cast<double>(plans_max)) {
+    while (most < plans_max &&
+           std::pow(static_cast<double>(most + 1), static_cast<double>(positions)) <= static_cast<double>(plans_max)) {
         ++most;
     }
     if (most > 1) {
-        return splits(positions, std::min<std::size_t>(most, 6));
+        return splits(positions, std::min(most, weight_max));
     }
     std::vector<std::vector<double>> all(positions + 1, std::vector<double>(positions, 1.0));
     for (std::size_t i = 0; i < positions; ++i) {
@@ -163,7 +169,7 @@ void Scats::vote(const std::vector<double> &saturation) {
         votes.pop_front();
     }
     const auto count = [this](std::size_t k) { return std::count(votes.begin(), votes.end(), k); };
-    std::size_t winner = plan;
+    std::size_t winner = votes.back(); // of equals the latest
     for (const std::size_t candidate : votes) {
         winner = count(candidate) > count(winner) ? candidate : winner;
     }

@@ -3,17 +3,19 @@
 
 /// Scoot: a cycle that a model of the queues moves by few seconds at a time.
 ///
-/// Arrivals at the edge of the reach make a profile of each movement in steps of 4 s over the round, smoothed from round
-/// to round. A few seconds before each change of stage the model says how saturated this green and the next would be if
-/// the change came 4 s earlier, as planned or 4 s later: the time that balances them best is taken now, a second of it for
-/// good. Every five minutes (two and a half while it grows) the cycle is lengthened if a green is saturated beyond the
-/// target, or shortened if none would be: by 4, 8 or 16 s. Stages keep their order and at least their minimum. A junction by
-/// itself has no offset. A stage that the plan has forced and that is not in the cycle is left after its minimum.
+/// Arrivals at the edge of the reach make a profile of each movement in steps of 4 s over the round, smoothed from
+/// round to round. A few seconds before each change of stage the model says how saturated this green and the next would
+/// be if the change came 4 s earlier, as planned or 4 s later: the time that balances them best is taken now, a second
+/// of it for good. Every five minutes (two and a half while it grows) the cycle is lengthened if a green is saturated
+/// beyond the target, or shortened if none would be: by 4, 8 or 16 s. Stages keep their order and at least their
+/// minimum. A junction by itself has no offset. A stage that the plan has forced and that is not in the cycle is left
+/// after its minimum.
 ///
-/// Sources: P. Hunt et al., SCOOT: a traffic responsive method of coordinating signals, TRRL Laboratory Report 1014, 1981;
-/// Traffic Advisory Leaflet 4/95; scoot-utc.com, How SCOOT works. Reconstructed: step sizes and the target of 90 % are
-/// the commonly told ones, the detector upstream is the edge of the counted reach, and who gets the seconds by which a cycle
-/// changes (the most saturated green gains, the least saturated loses). Congestion importance and gating are left out.
+/// Sources: P. Hunt et al., SCOOT: a traffic responsive method of coordinating signals, TRRL Laboratory Report 1014,
+/// 1981; Traffic Advisory Leaflet 4/95; scoot-utc.com, How SCOOT works. Reconstructed: step sizes and the target of 90
+/// % are the commonly told ones, the detector upstream is the edge of the counted reach, and who gets the seconds by
+/// which a cycle changes (the most saturated green gains, the least saturated loses). Congestion importance and gating
+/// are left out.
 
 #pragma once
 
@@ -29,7 +31,7 @@ struct Scoot {
     double target; ///< degree of saturation
     Cycle cycle{};
     Departures departures{};
-    MeanFlow flow{900}; ///< for the steps of a round that have not been seen yet
+    MeanFlow flow{900};                                   ///< for the steps of a round that have not been seen yet
     std::vector<std::vector<double>> profile_veh_per_s{}; ///< [movement][step of the round]; below 0: not seen
     std::vector<double> step_veh{};                       ///< [movement] arrivals of this step so far
     unsigned round_s = 0;                                 ///< since the round began

@@ -12,7 +12,8 @@ namespace elmopp {
 namespace {
 
 constexpr double longest_clearing_s = 60.0;
-constexpr double least_spare_flow = 0.1; ///< of the saturation flow: a queue that grows as fast as it leaves never clears
+constexpr double least_spare_flow =
+    0.1; ///< of the saturation flow: a queue that grows as fast as it leaves never clears
 
 /// The stage that serves a movement with the highest score; the present one stays if it does.
 elmopp_stage_t stage_for(const elmopp_view_t &view, std::size_t movement, const float *score) {
@@ -57,7 +58,8 @@ double SelfControl::expected_veh(std::size_t movement, double before_s, double g
 double SelfControl::index_of(const elmopp_view_t &view, elmopp_stage_t stage) const {
     const bool present = stage == view.stage;
     const double before_s = present ? 0.0 : switch_s(*view.junction, view.stage, stage);
-    const double back_s = present ? 0.0 : switch_s(*view.junction, stage, view.stage < view.junction->stage_count ? view.stage : stage);
+    const double back_s =
+        present ? 0.0 : switch_s(*view.junction, stage, view.stage < view.junction->stage_count ? view.stage : stage);
     double best = 0.0;
     for_served(view, stage, [&](std::size_t critical) {
         const double green_s = std::max(1.0, clearing_s(view, critical, before_s));
@@ -82,8 +84,8 @@ bool SelfControl::is_late(const elmopp_view_t &view, std::size_t movement) const
     if (queue_of(view, movement) < head_min_veh) {
         return false;
     }
-    const double interval_s = view.red_ds[movement] / ds_per_s + startup_s(*view.junction, movement) +
-                              clearing_s(view, movement, 0.0);
+    const double interval_s =
+        view.red_ds[movement] / ds_per_s + startup_s(*view.junction, movement) + clearing_s(view, movement, 0.0);
     const double flow_veh_per_s = std::max(flow.veh_per_s(movement), 1.0 / period_s);
     const double span_s = std::max(1.0, static_cast<double>(longest_s) - period_s);
     const double critical_veh = flow_veh_per_s * period_s * (longest_s - interval_s) / span_s;

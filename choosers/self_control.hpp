@@ -6,14 +6,14 @@
 /// Optimising rule: each stage has the priority index expected vehicles / (change + clearing time), where the expected
 /// ones are those that are there, those on their way and the mean flow of what is beyond, until the queue is cleared.
 /// Another stage than the present also pays for the way back. Stabilising rule: a movement whose service would come
-/// later than it should, for as many vehicles as it has, joins a queue of urgent movements; the first of these is served
-/// until it is cleared or has had its share of a period, before anything else counts. The longer the last green is ago,
-/// the fewer vehicles make it urgent: period_s apart as many as come in a period, at longest_s any.
+/// later than it should, for as many vehicles as it has, joins a queue of urgent movements; the first of these is
+/// served until it is cleared or has had its share of a period, before anything else counts. The longer the last green
+/// is ago, the fewer vehicles make it urgent: period_s apart as many as come in a period, at longest_s any.
 ///
 /// Source: S. Laemmer and D. Helbing, Self-control of traffic lights and vehicle flows in urban road networks, J. Stat.
 /// Mech. P04019, 2008; the same, Self-stabilizing decentralized signal control, Santa Fe Institute working paper, 2010.
-/// Reconstructed: the papers speak of single flows; here an index is that of a stage, best over the clearing times of its
-/// movements. A flow counts as one vehicle in a period at least, or one vehicle after a quiet hour would be urgent.
+/// Reconstructed: the papers speak of single flows; here an index is that of a stage, best over the clearing times of
+/// its movements. A flow counts as one vehicle in a period at least, or one vehicle after a quiet hour would be urgent.
 
 #pragma once
 

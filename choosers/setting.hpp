@@ -17,8 +17,8 @@ struct Setting {
     bool literal = false;              ///< Algorithm 1 as printed, for the choosers of the paper
     unsigned travel_s = 0; ///< from the edge of the counted reach to the stop line at free flow; 0: all are queued
     std::uint64_t seed = 1;
-    /// [movement] vehicles on the road that the movement leads to; null: nothing is known. Kept up to date by its owner,
-    /// must outlive the chooser.
+    /// [movement] vehicles on the road that the movement leads to; null: nothing is known. Kept up to date by its
+    /// owner, must outlive the chooser.
     const float *downstream_veh = nullptr;
 };
 

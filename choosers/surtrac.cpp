@@ -3,6 +3,7 @@
 
 #include "surtrac.hpp"
 
+#include "cycle.hpp"
 #include "view.hpp"
 
 #include <algorithm>
@@ -14,7 +15,9 @@ namespace {
 
 constexpr std::size_t phases_max = 8;
 constexpr std::size_t clusters_max = 8; ///< of a phase, however few phases there are
-constexpr std::size_t states_max = 6000;
+constexpr std::size_t all_states_max = 12500;
+constexpr std::size_t ways_max = 8;
+constexpr unsigned pieces = 3; ///< of the mean flow until the horizon
 constexpr double no_cluster_veh = 1e-6;
 
 /// A cluster that is still growing.
@@ -24,16 +27,41 @@ struct Growing {
     double last_s = 0.0; ///< arrival of the last one
 };
 
-Surtrac::Cluster finished(const elmopp_view_t &view, const Growing &growing) {
-    Surtrac::Cluster cluster{growing.arrival_s, 0.0, 0.0, 0.0};
+/// The cluster as one.
+Cluster whole(const elmopp_view_t &view, const Growing &growing) {
+    Cluster cluster{growing.arrival_s, 0.0, 0.0, 0.0, 0.0};
     for (std::size_t j = 0; j < view.junction->movement_count; ++j) {
-        if (growing.vehicles[j] > 0.0) {
-            cluster.length_s = std::max(cluster.length_s, growing.vehicles[j] / present_flow_veh_per_s(view, j));
-        }
+        cluster.length_s = std::max(cluster.length_s, growing.vehicles[j] / present_flow_veh_per_s(view, j));
         cluster.vehicles += growing.vehicles[j];
     }
     cluster.departure_s = std::max(growing.last_s + 1.0, growing.arrival_s + cluster.length_s);
     return cluster;
+}
+
+/// The cluster cut where one of its movements is done, into parts that are no shorter than least_s: as long as all flow
+/// it is worth more.
+void add_parts(const elmopp_view_t &view, const Growing &growing, double least_s, std::vector<Cluster> &clusters) {
+    const Cluster all = whole(view, growing);
+    std::vector<double> ends_s{all.length_s};
+    ends_s.reserve(view.junction->movement_count + std::size_t{1});
+    for (std::size_t j = 0; j < view.junction->movement_count; ++j) {
+        ends_s.push_back(growing.vehicles[j] / present_flow_veh_per_s(view, j));
+    }
+    std::sort(ends_s.begin(), ends_s.end());
+    double from_s = 0.0;
+    for (const double to_s : ends_s) {
+        const bool last = to_s >= all.length_s;
+        if (to_s <= from_s || (!last && (to_s - from_s < least_s || all.length_s - to_s < least_s))) {
+            continue;
+        }
+        Cluster part{all.arrival_s, last ? all.departure_s : all.arrival_s + to_s, to_s - from_s, 0.0, 0.0};
+        for (std::size_t j = 0; j < view.junction->movement_count; ++j) {
+            const double flow = present_flow_veh_per_s(view, j);
+            part.vehicles += std::min(growing.vehicles[j], flow * to_s) - std::min(growing.vehicles[j], flow * from_s);
+        }
+        clusters.push_back(part);
+        from_s = to_s;
+    }
 }
 
 /// Seconds until a change of stage lets the first vehicle of a phase go; 0 to stay.
@@ -42,7 +70,7 @@ double setup_s(const elmopp_junction_t &junction, elmopp_stage_t from, elmopp_st
 }
 
 /// As many clusters a phase as the number of states allows.
-std::size_t clusters_allowed(std::size_t phases) {
+std::size_t clusters_allowed(std::size_t phases, std::size_t states_max) {
     const auto states = [phases](std::size_t clusters) {
         std::size_t count = phases + 1;
         for (std::size_t p = 0; p < phases; ++p) {
@@ -58,18 +86,28 @@ std::size_t clusters_allowed(std::size_t phases) {
 }
 
 /// The last ones become one.
-void merge_down_to(std::vector<Surtrac::Cluster> &clusters, std::size_t count) {
+void merge_down_to(std::vector<Cluster> &clusters, std::size_t count) {
     while (clusters.size() > count) {
-        const Surtrac::Cluster last = clusters.back();
+        const Cluster last = clusters.back();
         clusters.pop_back();
         auto &into = clusters.back();
         into.length_s += last.length_s;
+        into.spread_s = std::max(into.spread_s, last.arrival_s + last.spread_s - into.arrival_s);
         into.vehicles += last.vehicles;
         into.departure_s = std::max(into.departure_s, last.departure_s);
     }
 }
 
-double vehicles_of(const SurtracPhase &phase) {
+/// Wait of a vehicle of a cluster that begins so late, on average.
+double mean_wait_s(const Cluster &cluster, double start_s) {
+    const double late_s = start_s - cluster.arrival_s;
+    if (late_s >= cluster.spread_s) {
+        return late_s - cluster.spread_s / 2.0;
+    }
+    return late_s * late_s / (2.0 * cluster.spread_s);
+}
+
+double vehicles_of(const Phase &phase) {
     double vehicles = 0.0;
     for (const auto &cluster : phase.clusters) {
         vehicles += cluster.vehicles;
@@ -87,8 +125,7 @@ struct Best {
 /// The dynamic programme: a state is how many clusters of each phase are done and which phase was last.
 class Schedule {
   public:
-    Schedule(const elmopp_junction_t &junction, elmopp_stage_t present, const std::vector<SurtracPhase> &phases,
-             bool leave)
+    Schedule(const elmopp_junction_t &junction, elmopp_stage_t present, const Phases &phases, bool leave)
         : junction_(junction), phases_(phases), leave_(leave), done_(phases.size()) {
         stages_.reserve(phases.size() + 1);
         std::size_t codes = 1;
@@ -104,8 +141,8 @@ class Schedule {
         codes_ = codes;
     }
 
-    /// The phase of the first cluster of the cheapest schedule.
-    std::size_t first() {
+    /// The stage of the first cluster of the cheapest schedule.
+    FirstStep first() {
         for (std::size_t code = 0; code < codes_; ++code) {
             decode(code);
             for (std::size_t last = 0; last < stages_.size(); ++last) {
@@ -114,10 +151,10 @@ class Schedule {
                 }
             }
         }
-        const auto end = best_.end();
-        return std::min_element(end - static_cast<std::ptrdiff_t>(stages_.size()), end,
-                                [](const Best &a, const Best &b) { return a.cost_veh_s < b.cost_veh_s; })
-            ->first;
+        const auto cheapest =
+            std::min_element(best_.end() - static_cast<std::ptrdiff_t>(stages_.size()), best_.end(),
+                             [](const Best &a, const Best &b) { return a.cost_veh_s < b.cost_veh_s; });
+        return {stages_[cheapest->first], cheapest->cost_veh_s};
     }
 
   private:
@@ -149,7 +186,7 @@ class Schedule {
             const double ready_s = from.finish_s + setup_s_[last * stages_.size() + p];
             const double start_s = std::max(cluster.arrival_s, ready_s);
             const double finish_s = std::max(start_s + cluster.length_s, cluster.departure_s);
-            const double cost = from.cost_veh_s + cluster.vehicles * (start_s - cluster.arrival_s);
+            const double cost = from.cost_veh_s + cluster.vehicles * mean_wait_s(cluster, start_s);
             Best &to = best_[(code + radix_[p]) * stages_.size() + p];
             if (cost < to.cost_veh_s || (cost == to.cost_veh_s && finish_s < to.finish_s)) {
                 to = {cost, finish_s, begins ? p : from.first};
@@ -158,7 +195,7 @@ class Schedule {
     }
 
     const elmopp_junction_t &junction_;
-    const std::vector<SurtracPhase> &phases_;
+    const Phases &phases_;
     bool leave_;
     std::vector<std::size_t> done_;
     std::vector<std::size_t> radix_;
@@ -168,64 +205,79 @@ class Schedule {
     std::size_t codes_ = 1;
 };
 
+/// Every way to go on from `chosen` with so many more stages, from this one on, until nobody is missing.
+void add_cycles(const elmopp_junction_t &junction, std::uint32_t missing, std::size_t more, elmopp_stage_t from,
+                Phases &chosen, std::vector<Phases> &found) {
+    if (missing == 0 && found.size() < ways_max) {
+        found.push_back(chosen);
+    }
+    if (missing == 0 || more == 0) {
+        return;
+    }
+    for (elmopp_stage_t s = from; s < junction.stage_count && found.size() < ways_max; ++s) {
+        const std::uint32_t own = served_by(junction, s) & missing;
+        if (own != 0) {
+            chosen.push_back({s, own});
+            add_cycles(junction, missing & ~own, more - 1, static_cast<elmopp_stage_t>(s + 1), chosen, found);
+            chosen.pop_back();
+        }
+    }
+}
+
 } // namespace
 
-elmopp_stage_t first_of_schedule(const elmopp_junction_t &junction, elmopp_stage_t present,
-                                 const std::vector<SurtracPhase> &phases, bool leave) {
-    std::vector<SurtracPhase> busy;
+FirstStep first_of_schedule(const elmopp_junction_t &junction, elmopp_stage_t present, const Phases &phases, bool leave,
+                            std::size_t states_max) {
+    Phases busy;
     busy.reserve(phases.size());
     std::copy_if(phases.begin(), phases.end(), std::back_inserter(busy),
-                 [](const SurtracPhase &phase) { return !phase.clusters.empty(); });
+                 [](const Phase &phase) { return !phase.clusters.empty(); });
     if (busy.empty()) {
-        return ELMOPP_STAGE_NONE;
+        return {ELMOPP_STAGE_NONE, 0.0};
     }
-    std::stable_sort(busy.begin(), busy.end(), [present](const SurtracPhase &a, const SurtracPhase &b) {
+    std::stable_sort(busy.begin(), busy.end(), [present](const Phase &a, const Phase &b) {
         return (a.stage == present) != (b.stage == present) ? a.stage == present : vehicles_of(a) > vehicles_of(b);
     });
     busy.erase(busy.begin() + static_cast<std::ptrdiff_t>(std::min(busy.size(), phases_max)), busy.end());
-    const std::size_t allowed = clusters_allowed(busy.size());
+    const std::size_t allowed = clusters_allowed(busy.size(), states_max);
     for (auto &phase : busy) {
         merge_down_to(phase.clusters, allowed);
     }
     const bool other = busy.size() > 1 || busy.front().stage != present;
-    return busy[Schedule(junction, present, busy, leave && other).first()].stage;
+    return Schedule(junction, present, busy, leave && other).first();
 }
 
-void Surtrac::prepare(const elmopp_junction_t &junction) {
-    if (cycle.size() > 0) {
-        return;
+std::vector<Phases> smallest_cycles(const elmopp_junction_t &junction) {
+    const std::uint32_t all = (std::uint32_t{1} << junction.movement_count) - 1U;
+    std::vector<Phases> found;
+    const std::size_t longest = covering_cycle(junction).size();
+    Phases chosen;
+    for (std::size_t size = 1; found.empty() && size <= longest; ++size) {
+        add_cycles(junction, all, size, 0, chosen, found);
     }
-    cycle.prepare(junction);
-    movements.reserve(cycle.size());
-    std::uint32_t taken = 0;
-    for (std::size_t i = 0; i < cycle.size(); ++i) {
-        const std::uint32_t served = served_by(junction, cycle.stage(i));
-        movements.push_back(served & ~taken);
-        taken |= served;
-    }
+    return found;
 }
 
-std::vector<Surtrac::Cluster> Surtrac::clusters_of(const elmopp_view_t &view, std::size_t phase) const {
+std::vector<Cluster> Surtrac::clusters_of(const elmopp_view_t &view, std::uint32_t movements) const {
     std::vector<Cluster> clusters;
     Growing growing;
     const auto finish = [&] {
-        const Cluster cluster = finished(view, growing);
-        if (cluster.vehicles > no_cluster_veh) {
-            clusters.push_back(cluster);
+        if (whole(view, growing).vehicles > no_cluster_veh) {
+            add_parts(view, growing, gap_s, clusters);
         }
         growing = {};
     };
     for (std::uint32_t j = 0; j < view.junction->movement_count; ++j) {
-        growing.vehicles[j] = elmopp_mask_has(movements[phase], j) ? approaching.queued_veh(j) : 0.0;
+        growing.vehicles[j] = elmopp_mask_has(movements, j) ? approaching.queued_veh(j) : 0.0;
     }
     for (unsigned second = 0; second < approaching.travel_s(); ++second) {
         for (std::uint32_t j = 0; j < view.junction->movement_count; ++j) {
-            const double due_veh = elmopp_mask_has(movements[phase], j) ? approaching.due_veh(j, second) : 0.0;
+            const double due_veh = elmopp_mask_has(movements, j) ? approaching.due_veh(j, second) : 0.0;
             if (due_veh <= 0.0) {
                 continue;
             }
             const double arrival_s = second + 1.0;
-            const Cluster so_far = finished(view, growing);
+            const Cluster so_far = whole(view, growing);
             if (so_far.vehicles <= no_cluster_veh || arrival_s - so_far.departure_s >= gap_s) {
                 finish();
                 growing.arrival_s = arrival_s;
@@ -235,27 +287,51 @@ std::vector<Surtrac::Cluster> Surtrac::clusters_of(const elmopp_view_t &view, st
         }
     }
     finish();
+    add_mean_flow(view, movements, clusters);
     return clusters;
 }
 
+/// Who will come after those that are seen.
+void Surtrac::add_mean_flow(const elmopp_view_t &view, std::uint32_t movements, std::vector<Cluster> &clusters) const {
+    const double seen_s = approaching.travel_s();
+    const double piece_s = (horizon_s - seen_s) / pieces;
+    for (unsigned i = 0; piece_s > 0.0 && i < pieces; ++i) {
+        Cluster cluster{seen_s + i * piece_s, seen_s + (i + 1) * piece_s, 0.0, piece_s, 0.0};
+        for (std::uint32_t j = 0; j < view.junction->movement_count; ++j) {
+            const double coming_veh = elmopp_mask_has(movements, j) ? flow.veh_per_s(j) * piece_s : 0.0;
+            cluster.vehicles += coming_veh;
+            cluster.length_s = std::max(cluster.length_s, coming_veh / saturation_veh_per_s(*view.junction, j));
+        }
+        if (cluster.vehicles > no_cluster_veh) {
+            clusters.push_back(cluster);
+        }
+    }
+}
+
 elmopp_stage_t Surtrac::choose(const elmopp_view_t &view, float *score) {
-    prepare(*view.junction);
+    if (ways.empty()) {
+        ways = smallest_cycles(*view.junction);
+    }
     approaching.observe(view);
+    flow.observe(view);
     for (std::size_t s = 0; s < view.junction->stage_count; ++s) {
         for_served(view, s, [&](std::size_t j) { score[s] += view.queue_veh[j]; });
     }
     if (!is_free(view, min_s)) {
         return view.target;
     }
-    std::vector<SurtracPhase> phases;
-    phases.reserve(cycle.size());
-    for (std::size_t i = 0; i < cycle.size(); ++i) {
-        phases.push_back({cycle.stage(i), clusters_of(view, i)});
-    }
     const bool leave = view.stage != ELMOPP_STAGE_NONE && elapsed_s(view) >= max_s;
-    const elmopp_stage_t first = first_of_schedule(*view.junction, view.stage, phases, leave);
-    const bool begin = view.target == ELMOPP_STAGE_NONE;
-    return first != ELMOPP_STAGE_NONE ? first : begin ? cycle.stage(0) : view.target;
+    FirstStep best{ELMOPP_STAGE_NONE, std::numeric_limits<double>::infinity()};
+    for (auto &phases : ways) {
+        for (auto &phase : phases) {
+            phase.clusters = clusters_of(view, phase.movements);
+        }
+        const FirstStep step =
+            first_of_schedule(*view.junction, view.stage, phases, leave, all_states_max / ways.size());
+        best = step.stage != ELMOPP_STAGE_NONE && step.cost_veh_s < best.cost_veh_s ? step : best;
+    }
+    const elmopp_stage_t stay = view.target == ELMOPP_STAGE_NONE ? elmopp_stage_t{0} : view.target;
+    return best.stage != ELMOPP_STAGE_NONE ? best.stage : stay;
 }
 
 } // namespace elmopp

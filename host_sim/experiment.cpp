@@ -114,7 +114,8 @@ class Experiment {
         for (const auto &block : blocks) {
             scenarios_.push_back(make_scenario(find_profile(block.profile), nullptr, request_.split));
             for (const auto &chooser : block.choosers) {
-                (void)make_chooser(chooser, scenarios_.back().setting()); // a wrong option ends here, before anything runs
+                (void)make_chooser(chooser,
+                                   scenarios_.back().setting()); // a wrong option ends here, before anything runs
                 for (const unsigned count : vehicles) {
                     for (std::uint64_t trial = 0; trial < request_.trials; ++trial) {
                         cells_.push_back({scenarios_.size() - 1, chooser, count, trial});

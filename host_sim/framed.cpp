@@ -248,7 +248,8 @@ class Framed final : public Control {
 class InProcess final : public Link {
   public:
     InProcess(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
-        : plugged_(make_chooser(spec, scenario.setting())), ar8_(scenario.junction.approach_count, shipped_weights("lstm")->ar8) {
+        : plugged_(make_chooser(spec, scenario.setting())),
+          ar8_(scenario.junction.approach_count, shipped_weights("lstm")->ar8) {
         elmopp_forecast_config_t forecast = forecast_of(spec, demand);
         forecast.ar8 = ar8_.data();
         forecast.mean_veh_per_s = nullptr;

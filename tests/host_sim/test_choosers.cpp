@@ -223,9 +223,12 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
     const auto found = texts(parse_choosers("all"));
     const std::set<std::string> unique(found.begin(), found.end());
     const std::set<std::string> expected{
-        "naive:none",     "cumulative:none", "cumulative:mean",  "cumulative:ewma",   "cumulative:persistence",
-        "cumulative:ar8", "cumulative:lstm", "cumulative:nlstm", "cumulative:oracle", "pressure:none",
-        "itlc:none",      "oaf:none",        "fixed:none", "webster:none", "actuated:none", "max-pressure:none", "longest-queue:none", "max-wave:none", "max-wave-hold:none", "elmopp-hold:none", "itlc-rounds:none", "scats:none", "scoot:none", "surtrac:none", "self-control:none", "random:none"};
+        "naive:none",        "cumulative:none",    "cumulative:mean",  "cumulative:ewma",    "cumulative:persistence",
+        "cumulative:ar8",    "cumulative:lstm",    "cumulative:nlstm", "cumulative:oracle",  "pressure:none",
+        "itlc:none",         "oaf:none",           "fixed:none",       "webster:none",       "actuated:none",
+        "max-pressure:none", "longest-queue:none", "max-wave:none",    "max-wave-hold:none", "elmopp-hold:none",
+        "itlc-rounds:none",  "scats:none",         "scoot:none",       "surtrac:none",       "self-control:none",
+        "random:none"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());

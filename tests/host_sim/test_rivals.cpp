@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// ITLC, OAF and fixed times, each asked second by second with a view made by hand: the paper's site with 0.5 vehicle/s a
-/// lane, so that n vehicles take 2 n seconds and a change of stage costs 1.5.
+/// ITLC, OAF and fixed times, each asked second by second with a view made by hand: the paper's site with 0.5 vehicle/s
+/// a lane, so that n vehicles take 2 n seconds and a change of stage costs 1.5.
 
 #include "cyclic.hpp"
 #include "expect.hpp"
