@@ -97,12 +97,11 @@ def test_a_result_of_another_line_is_refused(made: Path) -> None:
 
 
 def test_bad_requests(tmp_path: Path) -> None:
-    assert "no/such is missing" in campaign(
-        "make", tmp_path / "c", "--scenarios", "no/such", "--choosers", "naive", expect=2
-    )
+    words = ("--choosers", "naive", "--scenarios")
+    assert "no/such is missing" in campaign("make", tmp_path / "c", *words, "no/such", expect=2)
+    assert "'x'" in campaign("make", tmp_path, *words, "x", "--seeds", "x", expect=2)
     assert "campaign.json is missing" in campaign("run", tmp_path, expect=2)
     assert "runs.csv is missing" in campaign("compare", tmp_path, expect=2)
-    assert "'x'" in campaign("make", tmp_path, *words, "x", "--seeds", "x", expect=2)
     (tmp_path / "runs.csv").write_text(f"{COLUMNS}\n")
     assert "has no run of naive, cumulative, pressure" in campaign("compare", tmp_path, expect=2)
 
