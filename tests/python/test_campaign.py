@@ -26,7 +26,7 @@ def campaign(*words: object, expect: int = 0) -> str:
     assert done.returncode == expect, done.stderr
     if expect:
         # Lines that failed have said so before.
-        assert [line.startswith("campaign: ") for line in done.stderr.splitlines()].count(True) == 1, done.stderr
+        assert [line.startswith("campaign") for line in done.stderr.splitlines()].count(True) == 1, done.stderr
     return done.stderr if expect else done.stdout
 
 
