@@ -85,8 +85,8 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     auto self = std::make_unique<elmopp_handle>();
     self->junction = site_of_image(options.site, options.site_bytes);
     const ChooserSpec spec = chooser_of(options, self->junction);
-    self->plugged = make_chooser(spec, Setting{self->junction, true, false, options.travel_s, options.seed,
-                                               self->downstream_veh.data()});
+    self->plugged = make_chooser(
+        spec, Setting{self->junction, true, false, options.travel_s, options.seed, self->downstream_veh.data()});
     self->ar8.fill(shipped_weights("lstm")->ar8);
     const elmopp_forecast_config_t forecast{forecast_kind(spec.forecast), self->ar8.data(), nullptr,
                                             weights_of(*self, options, spec.forecast)};

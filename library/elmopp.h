@@ -4,8 +4,8 @@
 /// ELMOPP as a shared library: one junction behind an opaque handle. Counts in, stage and aspects out.
 ///
 /// For simulators and studies, from any language that can call C. It runs the code that the controller runs between its
-/// cameras and its lamps: forecast, chooser, plan, and the conflict monitor behind them; and it knows the rivals too. It
-/// knows no bus, no mode and no clock: the caller's seconds are its time. It drives no lamps of a street.
+/// cameras and its lamps: forecast, chooser, plan, and the conflict monitor behind them; and it knows the rivals too.
+/// It knows no bus, no mode and no clock: the caller's seconds are its time. It drives no lamps of a street.
 ///
 /// The order of a second: elmopp_count() once with what was counted, then elmopp_tick() ten times, each for the next
 /// 100 ms.
@@ -17,8 +17,8 @@
 ///
 /// The interface is stable: within one ELMOPP_ABI_VERSION functions and members are only added, and a caller's structs
 /// say by their first member how long they are. The library has no global state: handles are independent of each other,
-/// and one handle belongs to one thread at a time. No pointer that is handed in is kept. It ends the process for nothing
-/// but a bug of its own.
+/// and one handle belongs to one thread at a time. No pointer that is handed in is kept. It ends the process for
+/// nothing but a bug of its own.
 
 #ifndef ELMOPP_LIBRARY_H
 #define ELMOPP_LIBRARY_H
@@ -49,10 +49,10 @@ typedef struct elmopp_handle elmopp_t;
 
 /// What a junction is made of. Unset members are zero.
 typedef struct {
-    uint32_t size;              ///< sizeof(elmopp_options_t)
-    uint32_t site_bytes;        ///< length of the image
-    const unsigned char *site;  ///< an image as tools/site --image makes it
-    const char *chooser;        ///< NAME[@OPTION=VALUE][:FORECAST] as host_sim list names them; null: what the site names
+    uint32_t size;             ///< sizeof(elmopp_options_t)
+    uint32_t site_bytes;       ///< length of the image
+    const unsigned char *site; ///< an image as tools/site --image makes it
+    const char *chooser; ///< NAME[@OPTION=VALUE][:FORECAST] as host_sim list names them; null: what the site names
     const unsigned char *weights; ///< an image as tools/weights --image makes it; null: the networks that are built in
     uint32_t weights_bytes;
     uint32_t travel_s; ///< from the edge of the counted reach to the stop line on an empty road; 0: counted when there
@@ -91,8 +91,8 @@ int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out);
 /// million: nothing is learnt, the wish stays, and everybody on red counts as waiting.
 int elmopp_count(elmopp_t *self, const elmopp_second_t *second);
 
-/// Moves the lamps by 100 ms and writes what they show, one digit a group: 0 dark, 1 red, 2 red-amber, 3 green, 4 amber,
-/// 5 flashing amber, 6 flashing red. `wish`: the stage that the caller wants instead of the chooser, or
+/// Moves the lamps by 100 ms and writes what they show, one digit a group: 0 dark, 1 red, 2 red-amber, 3 green, 4
+/// amber, 5 flashing amber, 6 flashing red. `wish`: the stage that the caller wants instead of the chooser, or
 /// ELMOPP_NO_STAGE. Whatever is wished, minimum and maximum green, amber and intergreens are kept.
 int elmopp_tick(elmopp_t *self, int32_t wish, char aspects[ELMOPP_ASPECT_BYTES]);
 
@@ -106,8 +106,8 @@ int32_t elmopp_wish(const elmopp_t *self);
 uint32_t elmopp_stage_groups(const elmopp_t *self, uint32_t stage);
 uint32_t elmopp_served(const elmopp_t *self, uint32_t groups);
 
-/// The chooser's score of a stage in the last second, and the vehicles that the forecast has an approach get in the next
-/// 60 s. 0 where there is none.
+/// The chooser's score of a stage in the last second, and the vehicles that the forecast has an approach get in the
+/// next 60 s. 0 where there is none.
 float elmopp_score(const elmopp_t *self, uint32_t stage);
 float elmopp_foreseen_veh(const elmopp_t *self, uint32_t approach);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/* libelmopp.so as a program in C sees it: through elmopp.h and nothing else. Beside it runs the pilot of the core, whose
- * lamps the library's must be, tick for tick. */
+/* libelmopp.so as a program in C sees it: through elmopp.h and nothing else. Beside it runs the pilot of the core,
+ * whose lamps the library's must be, tick for tick. */
 
 #include "elmopp.h"
 
@@ -116,9 +116,8 @@ static void test_its_lamps_are_the_pilots(void) {
     for (uint32_t i = 0U; i < TEST_SITE_COUNT; i++) {
         open_site(test_sites[i], "naive");
         elmopp_urgency_t urgency;
-        const elmopp_urgency_options_t window = {.min_s = test_sites[i]->hold_min_s,
-                                                 .max_s = test_sites[i]->hold_max_s,
-                                                 .hysteresis = 1.0F};
+        const elmopp_urgency_options_t window = {
+            .min_s = test_sites[i]->hold_min_s, .max_s = test_sites[i]->hold_max_s, .hysteresis = 1.0F};
         const elmopp_chooser_t chooser = elmopp_urgency_init(&urgency, &window);
         const elmopp_forecast_config_t none = {.kind = ELMOPP_FORECAST_NONE};
         elmopp_pilot_t pilot;

@@ -23,7 +23,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "build" / "check"
 PRESETS = ("host", "asan", "release", "cortex-m4", "fuzz")
-C_FOLDERS = ("firmware", "host_files", "choosers", "host_sim", "tests")
+C_FOLDERS = ("firmware", "host_files", "choosers", "host_sim", "library", "tests")
 C_SUFFIXES = (".c", ".h", ".cpp", ".hpp")
 JOBS = len(os.sched_getaffinity(0))
 
@@ -189,6 +189,11 @@ def install_step() -> Step:
         [f"{prefix}/bin/host_sim", "list", "--json"],
         [tool("python"), f"{prefix}/share/elmopp/tools/site", "--help"],
         [
+            str(ROOT / "build" / "venv" / "sumo" / "bin" / "python"),
+            f"{prefix}/share/elmopp/tools/sumo-run",
+            "--help",
+        ],
+        [
             tool("python"),
             f"{prefix}/share/elmopp/tools/weights",
             f"{prefix}/share/elmopp/weights/forecast.safetensors",
@@ -230,7 +235,7 @@ def check_tidy() -> str | None:
         return "build/host/compile_commands.json is missing: the preset host was not configured"
     compiled = {Path(entry["file"]).resolve() for entry in json.loads(database.read_text(encoding="utf-8"))}
     folders = [ROOT / "firmware" / "src", ROOT / "firmware" / "port"]
-    folders += [ROOT / "host_files", ROOT / "choosers", ROOT / "host_sim"]
+    folders += [ROOT / folder for folder in ("host_files", "choosers", "host_sim", "library")]
     files = sorted(str(f.relative_to(ROOT)) for f in compiled if any(f.is_relative_to(folder) for folder in folders))
     if not files:
         return "the preset host compiles no file of firmware/src or host_sim"
