@@ -46,7 +46,7 @@ std::uint32_t Actuated::holding(const elmopp_view_t &view) const {
     for (std::uint32_t j = 0; j < view.junction->movement_count; ++j) {
         const bool follows =
             approaching.queued_veh(j) >= head_min_veh || approaching.due_within_veh(j, gap_s) >= vehicle_soon_veh;
-        if (follows && contested_s[j] <= max_s) {
+        if (follows && contested_s[j] < max_s) {
             mask |= 1U << j;
         }
     }

@@ -117,14 +117,19 @@ double ItlcRounds::ready_of(const elmopp_view_t &view, std::size_t movement) con
                     ready_veh * std::max<double>(1.0, view.junction->movement[movement].lanes));
 }
 
-/// ELMOPP_STAGE_NONE if no stage but those of the mask has vehicles.
-elmopp_stage_t ItlcRounds::densest(const elmopp_view_t &view, const float *score, std::uint32_t without) const {
+/// The stage with the highest density of movements that are not served yet, which becomes its score; ELMOPP_STAGE_NONE
+/// if nobody waits on one.
+elmopp_stage_t ItlcRounds::densest(const elmopp_view_t &view, float *score) const {
     elmopp_stage_t best = ELMOPP_STAGE_NONE;
     for (elmopp_stage_t s = 0; s < view.junction->stage_count; ++s) {
-        const bool stands_for_election = !elmopp_mask_has(without, s) && is_called(view, served_by(*view.junction, s));
-        if (stands_for_election && (best == ELMOPP_STAGE_NONE || score[s] > score[best])) {
-            best = s;
-        }
+        score[s] = 0.0F;
+        for_served(view, s, [&](std::size_t j) {
+            const auto index = static_cast<std::uint32_t>(j);
+            const auto ready = static_cast<float>(ready_of(view, j));
+            score[s] += elmopp_mask_has(served, index) ? 0.0F : elmopp_junction_load(view.junction, index, ready);
+        });
+        const bool called = is_called(view, served_by(*view.junction, s) & ~served);
+        best = called && (best == ELMOPP_STAGE_NONE || score[s] > score[best]) ? s : best;
     }
     return best;
 }
@@ -139,28 +144,22 @@ void ItlcRounds::give(const elmopp_view_t &view, elmopp_stage_t stage) {
         }
     });
     given = stage;
-    served |= 1U << stage;
+    served |= served_by(*view.junction, stage);
     left_s = whole_seconds(green_s, itlc_green_min_s);
 }
 
 elmopp_stage_t ItlcRounds::choose(const elmopp_view_t &view, float *score) {
     approaching.observe(view);
-    for (std::size_t s = 0; s < view.junction->stage_count; ++s) {
-        for_served(view, s, [&](std::size_t j) {
-            const auto ready = static_cast<float>(ready_of(view, j));
-            score[s] += elmopp_junction_load(view.junction, static_cast<std::uint32_t>(j), ready);
-        });
-    }
     if (view.stage != ELMOPP_STAGE_NONE && view.stage != given) {
         give(view, view.stage); // the plan has forced it: it is served all the same
     }
+    elmopp_stage_t chosen = densest(view, score);
     if (!decision_is_due(view, left_s)) {
         return view.target;
     }
-    elmopp_stage_t chosen = densest(view, score, served);
     if (chosen == ELMOPP_STAGE_NONE) {
         served = 0;
-        chosen = densest(view, score, served);
+        chosen = densest(view, score);
     }
     if (chosen == ELMOPP_STAGE_NONE) {
         return view.target == ELMOPP_STAGE_NONE ? elmopp_stage_t{0} : view.target;

@@ -28,14 +28,14 @@ struct Itlc {
 };
 
 /// ITLC in rounds (Younes and Boukerche, LCN workshops 2014; IEEE Trans. Veh. Technol. 2016; reconstructed from the
-/// abstracts): a stage is served once a round. At the end of each green the densest of the stages that have vehicles
-/// and have not been served yet, green until the farthest of its vehicles has crossed, 5 to 60 s; when there is none, a
-/// new round begins; when nobody is there at all, the green rests. Density is vehicles of the ready areas over
-/// capacity.
+/// abstracts): a movement is served once a round. At the end of each green the stage whose movements that are not
+/// served yet are densest, green until the farthest of its vehicles has crossed, 5 to 60 s; when there is none with a
+/// vehicle, a new round begins; when nobody is there at all, the green rests. Density is vehicles of the ready areas
+/// over capacity.
 struct ItlcRounds {
     double ready_veh; ///< ready area, vehicles a lane
     Approaching approaching{};
-    std::uint32_t served = 0; ///< mask of the stages of this round
+    std::uint32_t served = 0; ///< mask of the movements of this round
     elmopp_stage_t given = ELMOPP_STAGE_NONE;
     unsigned left_s = 0;
 
@@ -43,7 +43,7 @@ struct ItlcRounds {
 
   private:
     [[nodiscard]] double ready_of(const elmopp_view_t &view, std::size_t movement) const;
-    [[nodiscard]] elmopp_stage_t densest(const elmopp_view_t &view, const float *score, std::uint32_t without) const;
+    elmopp_stage_t densest(const elmopp_view_t &view, float *score) const;
     void give(const elmopp_view_t &view, elmopp_stage_t stage);
 };
 

@@ -21,6 +21,7 @@ constexpr unsigned decide_before_s = 5;
 constexpr int shift_s = 4;
 constexpr unsigned review_after_s = 300;
 constexpr unsigned review_while_growing_s = 150;
+constexpr double no_saturation = 0.01; ///< where nobody came, the longer green counts as the emptier one
 constexpr double first_cycle_s = 70.0;
 
 int sign_of(int value) {
@@ -149,7 +150,7 @@ void Scoot::resize(const elmopp_view_t &view, int seconds) {
         std::size_t chosen = cycle.size();
         double extreme = 0.0;
         for (std::size_t p = 0; p < cycle.size(); ++p) {
-            const double now = saturation[p] * before_s[p] / greens_s[p];
+            const double now = std::max(saturation[p], no_saturation) * before_s[p] / greens_s[p];
             const bool may = seconds > 0 || greens_s[p] > least_s[p];
             if (may && (chosen == cycle.size() || (seconds > 0 ? now > extreme : now < extreme))) {
                 chosen = p;

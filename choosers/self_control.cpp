@@ -94,22 +94,19 @@ bool SelfControl::is_late(const elmopp_view_t &view, std::size_t movement) const
 
 void SelfControl::keep_urgent(const elmopp_view_t &view) {
     const auto is_going = [&view](std::size_t j) { return elmopp_mask_has(view.going, static_cast<std::uint32_t>(j)); };
-    if (!urgent.empty() && is_going(urgent.front()) && view.stage != ELMOPP_STAGE_NONE) {
-        ++going_s;
-        const bool cleared = approaching.queued_veh(urgent.front()) < head_min_veh;
-        if (cleared || going_s > std::max<double>(min_s, share_s(view, urgent.front()))) {
-            urgent.pop_front();
-            going_s = 0;
-        }
+    for (Late &late : urgent) {
+        late.green_s += is_going(late.movement) ? 1U : 0U;
     }
-    // Whoever goes beside the first is not late any more, if nothing is left of him.
-    const auto is_done = [&](std::size_t j) { return is_going(j) && approaching.queued_veh(j) < head_min_veh; };
-    const bool first_goes = !urgent.empty() && is_going(urgent.front());
-    urgent.erase(std::remove_if(urgent.begin() + (first_goes ? 1 : 0), urgent.end(), is_done), urgent.end());
+    const auto is_done = [&](const Late &late) {
+        const bool cleared = is_going(late.movement) && approaching.queued_veh(late.movement) < head_min_veh;
+        return cleared || late.green_s >= std::max<double>(min_s, share_s(view, late.movement));
+    };
+    urgent.erase(std::remove_if(urgent.begin(), urgent.end(), is_done), urgent.end());
     for (std::size_t j = 0; j < view.junction->movement_count; ++j) {
-        const bool is_known = std::find(urgent.begin(), urgent.end(), j) != urgent.end();
-        if (!is_known && !is_going(j) && is_late(view, j)) {
-            urgent.push_back(j);
+        const bool known =
+            std::any_of(urgent.begin(), urgent.end(), [j](const Late &late) { return late.movement == j; });
+        if (!known && !is_going(j) && is_late(view, j)) {
+            urgent.push_back({j, 0U});
         }
     }
 }
@@ -125,7 +122,7 @@ elmopp_stage_t SelfControl::choose(const elmopp_view_t &view, float *score) {
         return view.target;
     }
     if (!urgent.empty()) {
-        return stage_for(view, urgent.front(), score);
+        return stage_for(view, urgent.front().movement, score);
     }
     return best_or_stay(view, score);
 }

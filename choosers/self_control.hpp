@@ -25,13 +25,18 @@
 namespace elmopp {
 
 struct SelfControl {
+    /// A movement whose service would come too late.
+    struct Late {
+        std::size_t movement;
+        unsigned green_s; ///< that it has had since
+    };
+
     unsigned min_s;
     unsigned period_s;  ///< T: how often a movement should be served
     unsigned longest_s; ///< T_max: how often at least
     Approaching approaching{};
     MeanFlow flow{120};
-    std::deque<std::size_t> urgent{}; ///< movements in the order in which they became so
-    unsigned going_s = 0;             ///< green of the first of these
+    std::deque<Late> urgent{}; ///< in the order in which they became so
 
     elmopp_stage_t choose(const elmopp_view_t &view, float *score);
 

@@ -30,6 +30,7 @@ class Street {
         view_.stage = ELMOPP_STAGE_NONE;
         view_.target = ELMOPP_STAGE_NONE;
         view_.red_ds = red_ds.data();
+        view_.share = share_.data();
     }
 
     /// One second: the chooser's wish.
@@ -75,6 +76,10 @@ class Street {
         return 0;
     }
 
+    [[nodiscard]] bool is_going(Lane lane) const {
+        return elmopp_mask_has(view_.going, lane);
+    }
+
     /// All vehicles of a lane leave.
     void clear(Lane lane) {
         queue[lane] = 0.0F;
@@ -98,6 +103,7 @@ class Street {
 
     elmopp_chooser_t chooser_;
     elmopp_junction_t junction_;
+    std::array<float, lane_count> share_{};
     elmopp_view_t view_{};
 };
 
