@@ -339,3 +339,11 @@ def test_the_single_node_refuses_in_one_line(words: list[str], told: str) -> Non
     assert done.returncode == 2
     assert done.stderr.startswith(f"one-node: {told}")
     assert done.stderr.count("\n") == 1
+
+
+def test_the_document_shows_the_configuration_that_is_tested() -> None:
+    script = (ROOT / "tests" / "slurm" / "one-node").read_text(encoding="utf-8")
+    configuration = script.partition("<<CONF\n")[2].partition("CONF\n")[0].splitlines()
+    document = (ROOT / "docs" / "campaigns.md").read_text(encoding="utf-8")
+    assert len(configuration) > 20
+    assert "".join(f"    {line}\n" for line in configuration) in document
