@@ -4,8 +4,8 @@
 """Builds SUMO networks of signals from a plan of places and roads, with netconvert.
 
 A road's lanes say at each end where they lead, from the kerb inwards, in letters: r right, s straight, l left. The
-signal's stages follow from a kind of phasing; a link that crosses a stronger one in its stage gives way (straight before
-right before left).
+signal's stages follow from a kind of phasing; a link that crosses a stronger one in its stage gives way (straight
+before right before left).
 """
 
 import math
@@ -261,4 +261,3 @@ def _netconvert(sources: Path, net: Path, *, with_phases: bool) -> None:
     if done.returncode != 0:
         errors = [line for line in done.stderr.splitlines() if line.startswith("Error")] or [done.stderr.strip()]
         raise NetError(f"netconvert says: {errors[0]}")
-

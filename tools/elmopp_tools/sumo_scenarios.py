@@ -77,7 +77,9 @@ def junction(lanes: dict[str, Sequence[str]], phasing: str, *, length_m: dict[st
     """One signal C with an arm to each of the named sides."""
     unit = {"N": (0.0, 1.0), "E": (1.0, 0.0), "S": (0.0, -1.0), "W": (-1.0, 0.0)}
     lengths, speeds = length_m or {}, speed_m_per_s or {}
-    ends = {side: (unit[side][0] * lengths.get(side, ARM_M), unit[side][1] * lengths.get(side, ARM_M)) for side in lanes}
+    ends = {
+        side: (unit[side][0] * lengths.get(side, ARM_M), unit[side][1] * lengths.get(side, ARM_M)) for side in lanes
+    }
     roads = tuple(
         Road(side, "C", tuple(letters), tuple("s" * len(letters)), speeds.get(side, 13.9))
         for side, letters in lanes.items()
@@ -141,54 +143,77 @@ def grid_flows(count: int, straight_veh_per_h: float, turning_veh_per_h: float) 
     return tuple(flows)
 
 
+def axes(north_south: float, east_west: float) -> dict[str, float]:
+    """The same volume on opposite arms."""
+    return {"N": north_south, "E": east_west, "S": north_south, "W": east_west}
+
+
 def scenarios() -> tuple[Scenario, ...]:
     """All of them."""
-    low, high = dict.fromkeys("NS", 420.0) | dict.fromkeys("EW", 300.0), dict.fromkeys("NESW", 625.0)
-    tee = junction({"E": ("s", "sl"), "S": ("r", "l"), "W": ("rs", "s")}, "tee")
-    tee_flows = [("E", "W", 550), ("E", "S", 130), ("S", "E", 150), ("S", "W", 130), ("W", "E", 550), ("W", "S", 120)]
-    swapped = [turning({"N": a, "S": a, "E": b, "W": b}, 0.12, 0.15, begin_s=t, end_s=t + SWAP_S)
-               for t, a, b in ((t, *((620.0, 240.0) if t // SWAP_S % 2 == 0 else (240.0, 620.0)))
-                               for t in range(0, END_S, SWAP_S))]  # fmt: skip
-    major = junction(
+    return (_tee(), *_one_lane(), *_two_lanes(), *_more_lanes(), *_major(), *_networks())
+
+
+def _tee() -> Scenario:
+    plan = junction({"E": ("s", "sl"), "S": ("r", "l"), "W": ("rs", "s")}, "tee")
+    volumes = {("E", "W"): 550, ("E", "S"): 130, ("S", "E"): 150, ("S", "W"): 130, ("W", "E"): 550, ("W", "S"): 120}
+    flows = tuple(Flow(start, end, float(volume)) for (start, end), volume in volumes.items())
+    return Scenario("tee", "three arms, stages that overlap", plan, flows)
+
+
+def _one_lane() -> Iterator[Scenario]:
+    plan = junction(four(ONE), "two")
+    yield Scenario("single", "one lane an arm, left turns give way", plan, turning(axes(330.0, 260.0), 0.15, 0.1))
+    yield Scenario("light", "the same, hardly anybody there", plan, turning(axes(100.0, 100.0), 0.15, 0.12))
+
+
+def _two_lanes() -> Iterator[Scenario]:
+    shared = junction(four(SHARED), "permissive")
+    what = "two lanes, left turns share one; with and without right of way"
+    yield Scenario("shared", what, shared, turning(axes(560.0, 400.0), 0.12, 0.12))
+    plan = junction(four(EXCLUSIVE), "protected")
+    for name, what, volumes, left in (
+        ("protected-low", "a lane for left turns, four stages", axes(420.0, 300.0), 0.15),
+        ("protected-high", "the same with 2,500 vehicles an hour", axes(625.0, 625.0), 0.18),
+        ("protected-full", "the same near capacity", axes(690.0, 690.0), 0.18),
+        ("unbalanced", "the same, most of it north and south", axes(760.0, 180.0), 0.15),
+    ):
+        yield Scenario(name, what, plan, turning(volumes, 0.12, left))
+    flows: list[Flow] = []
+    for begin in range(0, END_S, SWAP_S):
+        volumes = axes(620.0, 240.0) if begin // SWAP_S % 2 == 0 else axes(240.0, 620.0)
+        flows += turning(volumes, 0.12, 0.15, begin_s=float(begin), end_s=float(begin + SWAP_S))
+    yield Scenario("alternating", "the same, the main direction changes every 300 s", plan, tuple(flows))
+
+
+def _more_lanes() -> Iterator[Scenario]:
+    eight = junction(four(THREE), "eight")
+    yield Scenario("eight", "three lanes, eight stages", eight, turning(axes(980.0, 760.0), 0.12, 0.18))
+    split = junction(four(SHARED), "split")
+    yield Scenario("split", "one stage an arm", split, turning(axes(480.0, 480.0), 0.15, 0.2))
+
+
+def _major() -> Iterator[Scenario]:
+    plan = junction(
         {"N": ONE, "S": ONE, "E": SHARED, "W": SHARED},
         "two",
         length_m={"N": 150.0, "S": 150.0, "E": 500.0, "W": 500.0},
         speed_m_per_s=dict.fromkeys("EW", FAST_M_PER_S),
     )
-    platoons = [flow for t in range(0, END_S, PLATOON_CYCLE_S)
-                for flow in turning(dict.fromkeys("EW", 450.0 * PLATOON_CYCLE_S / PLATOON_S), 0.08, 0.08,
-                                    begin_s=float(t), end_s=float(min(END_S, t + PLATOON_S)))]  # fmt: skip
-    return (
-        Scenario("tee", "three arms, stages that overlap", tee, tuple(Flow(a, b, float(v)) for a, b, v in tee_flows)),
-        Scenario("single", "one lane an arm, left turns give way",
-                 junction(four(ONE), "two"), turning(dict.fromkeys("NS", 330.0) | dict.fromkeys("EW", 260.0), 0.15, 0.1)),
-        Scenario("light", "the same, hardly anybody there",
-                 junction(four(ONE), "two"), turning(dict.fromkeys("NESW", 100.0), 0.15, 0.12)),
-        Scenario("shared", "two lanes, left turns share one; with and without right of way",
-                 junction(four(SHARED), "permissive"), turning(dict.fromkeys("NS", 560.0) | dict.fromkeys("EW", 400.0), 0.12, 0.12)),
-        Scenario("protected-low", "a lane for left turns, four stages",
-                 junction(four(EXCLUSIVE), "protected"), turning(low, 0.12, 0.15)),
-        Scenario("protected-high", "the same with 2,500 vehicles an hour",
-                 junction(four(EXCLUSIVE), "protected"), turning(high, 0.12, 0.18)),
-        Scenario("protected-full", "the same near capacity",
-                 junction(four(EXCLUSIVE), "protected"), turning(dict.fromkeys("NESW", 690.0), 0.12, 0.18)),
-        Scenario("unbalanced", "the same, most of it north and south",
-                 junction(four(EXCLUSIVE), "protected"), turning(dict.fromkeys("NS", 760.0) | dict.fromkeys("EW", 180.0), 0.12, 0.15)),
-        Scenario("alternating", "the same, the main direction changes every 300 s",
-                 junction(four(EXCLUSIVE), "protected"), tuple(flow for flows in swapped for flow in flows)),
-        Scenario("eight", "three lanes, eight stages",
-                 junction(four(THREE), "eight"), turning(dict.fromkeys("NS", 980.0) | dict.fromkeys("EW", 760.0), 0.12, 0.18)),
-        Scenario("split", "one stage an arm",
-                 junction(four(SHARED), "split"), turning(dict.fromkeys("NESW", 480.0), 0.15, 0.2)),
-        Scenario("major", "500 m of main road at 60 km/h, side roads of 150 m",
-                 major, turning(dict.fromkeys("EW", 700.0) | dict.fromkeys("NS", 140.0), 0.08, 0.06)),
-        Scenario("platoons", "the same, the main road's vehicles in 30 of 80 s",
-                 major, (*turning(dict.fromkeys("NS", 140.0), 0.2, 0.2), *platoons)),
-        Scenario("grid", "four by four signals 200 m apart",
-                 grid(4, 200.0, SHARED, "permissive"), grid_flows(4, 260.0, 30.0)),
-        Scenario("paper", "the paper's G_alpha: four junctions in a ring, a lane a turn",
-                 grid(2, 300.0, PAPER, "protected"), grid_flows(2, 330.0, 70.0)),
-    )  # fmt: skip
+    what = "500 m of main road at 60 km/h, side roads of 150 m"
+    yield Scenario("major", what, plan, turning(axes(140.0, 700.0), 0.08, 0.06))
+    flows = list(turning(dict.fromkeys("NS", 140.0), 0.2, 0.2))
+    packed = dict.fromkeys("EW", 450.0 * PLATOON_CYCLE_S / PLATOON_S)
+    for begin in range(0, END_S, PLATOON_CYCLE_S):
+        end_s = float(min(END_S, begin + PLATOON_S))
+        flows += turning(packed, 0.08, 0.08, begin_s=float(begin), end_s=end_s)
+    yield Scenario("platoons", "the same, the main road's vehicles in 30 of 80 s", plan, tuple(flows))
+
+
+def _networks() -> Iterator[Scenario]:
+    plan = grid(4, 200.0, SHARED, "permissive")
+    yield Scenario("grid", "four by four signals 200 m apart", plan, grid_flows(4, 260.0, 30.0))
+    what = "the paper's G_alpha: four junctions in a ring, a lane a turn"
+    yield Scenario("paper", what, grid(2, 300.0, PAPER, "protected"), grid_flows(2, 330.0, 70.0))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
