@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Actuated: phases in the order of the covering cycle, each for as long as vehicles follow one another.
+/// Actuated: phases in the order of the smallest cycle, each for as long as vehicles follow one another.
 ///
 /// After min_s a movement holds the green until its first gap (nobody is queued and nobody reaches the stop line within
 /// gap_s), and max_s after the first conflicting call at most. When only some of a stage's movements still hold it, it

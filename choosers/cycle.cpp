@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
+#include <utility>
 
 namespace elmopp {
 namespace {
@@ -24,7 +26,82 @@ std::vector<std::size_t> positions_of(const Cycle &cycle, const elmopp_junction_
     return positions;
 }
 
+/// Looks for the smallest covers: whoever is missing first has to be served by one of his stages.
+class Covers {
+  public:
+    explicit Covers(const elmopp_junction_t &junction) {
+        served_.reserve(junction.stage_count);
+        for (elmopp_stage_t s = 0; s < junction.stage_count; ++s) {
+            served_.push_back(served_by(junction, s));
+            all_ |= served_.back();
+        }
+    }
+
+    /// Covers of this size, none if there is none or the search has become too long.
+    const std::set<std::vector<elmopp_stage_t>> &of_size(std::size_t size) {
+        look(all_, size);
+        return found_;
+    }
+
+  private:
+    static constexpr unsigned longest_search = 100000;
+    static constexpr std::size_t most = 8;
+
+    void look(std::uint32_t missing, std::size_t more) {
+        if (missing == 0) {
+            auto cover = chosen_;
+            std::sort(cover.begin(), cover.end());
+            found_.insert(std::move(cover));
+            return;
+        }
+        const std::uint32_t first = missing & (~missing + 1U);
+        for (std::size_t s = 0; more > 0 && s < served_.size(); ++s) {
+            if ((served_[s] & first) != 0 && found_.size() < most && ++steps_ < longest_search) {
+                chosen_.push_back(static_cast<elmopp_stage_t>(s));
+                look(missing & ~served_[s], more - 1);
+                chosen_.pop_back();
+            }
+        }
+    }
+
+    std::vector<std::uint32_t> served_; ///< [stage] mask of movements
+    std::uint32_t all_ = 0;
+    unsigned steps_ = 0;
+    std::vector<elmopp_stage_t> chosen_;
+    std::set<std::vector<elmopp_stage_t>> found_;
+};
+
+double lost_in_s(const elmopp_junction_t &junction, const std::vector<elmopp_stage_t> &stages) {
+    double lost_s = 0.0;
+    for (std::size_t i = 0; stages.size() > 1 && i < stages.size(); ++i) {
+        lost_s += switch_s(junction, stages[i], stages[(i + 1) % stages.size()]);
+    }
+    return lost_s;
+}
+
+int movements_in(const elmopp_junction_t &junction, const std::vector<elmopp_stage_t> &stages) {
+    int count = 0;
+    for (const elmopp_stage_t stage : stages) {
+        for (std::uint32_t j = 0; j < junction.movement_count; ++j) {
+            count += elmopp_mask_has(served_by(junction, stage), j) ? 1 : 0;
+        }
+    }
+    return count;
+}
+
 } // namespace
+
+std::vector<std::vector<elmopp_stage_t>> smallest_cycles(const elmopp_junction_t &junction) {
+    Covers covers(junction);
+    const auto covering = covering_cycle(junction);
+    for (std::size_t size = 1; size <= covering.size(); ++size) {
+        const auto &found = covers.of_size(size);
+        if (!found.empty()) {
+            return {found.begin(), found.end()};
+        }
+    }
+    return {covering}; // too many stages to try
+}
 
 std::vector<elmopp_stage_t> covering_cycle(const elmopp_junction_t &junction) {
     std::vector<elmopp_stage_t> cycle;
@@ -40,9 +117,15 @@ std::vector<elmopp_stage_t> covering_cycle(const elmopp_junction_t &junction) {
 }
 
 void Cycle::prepare(const elmopp_junction_t &junction) {
-    if (stages_.empty()) {
-        stages_ = covering_cycle(junction);
+    if (!stages_.empty()) {
+        return;
     }
+    const auto better = [&junction](const auto &a, const auto &b) {
+        const int more = movements_in(junction, a) - movements_in(junction, b);
+        return more != 0 ? more > 0 : lost_in_s(junction, a) < lost_in_s(junction, b);
+    };
+    const auto cycles = smallest_cycles(junction);
+    stages_ = *std::min_element(cycles.begin(), cycles.end(), better);
 }
 
 std::size_t Cycle::position(const elmopp_view_t &view) {
@@ -58,11 +141,7 @@ bool Cycle::shows(const elmopp_view_t &view) const {
 }
 
 double Cycle::lost_s(const elmopp_junction_t &junction) const {
-    double lost_s = 0.0;
-    for (std::size_t i = 0; size() > 1 && i < size(); ++i) {
-        lost_s += switch_s(junction, stage(i), stage(i + 1));
-    }
-    return lost_s;
+    return lost_in_s(junction, stages_);
 }
 
 double Cycle::startup_of_s(const elmopp_junction_t &junction, std::size_t position) const {

@@ -15,9 +15,13 @@ namespace elmopp {
 /// The stages in site order, leaving out those that would serve nothing new. Together they serve every movement.
 std::vector<elmopp_stage_t> covering_cycle(const elmopp_junction_t &junction);
 
+/// The smallest sets of stages that serve every movement, each in site order, at most 8 of them.
+std::vector<std::vector<elmopp_stage_t>> smallest_cycles(const elmopp_junction_t &junction);
+
 class Cycle {
   public:
-    /// Filled at the first call with the covering cycle.
+    /// Filled at the first call with the smallest cycle: of several the one whose stages serve most movements, then the
+    /// one that loses least time.
     void prepare(const elmopp_junction_t &junction);
 
     [[nodiscard]] std::size_t size() const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Fixed times: the stages of a covering cycle one after the other, whatever waits. Neither skips a stage nor ends one
+/// Fixed times: the stages of a cycle one after the other, whatever waits. Neither skips a stage nor ends one
 /// early.
 
 #pragma once
@@ -13,7 +13,7 @@
 
 namespace elmopp {
 
-/// Each stage for green_s.
+/// Each stage of the covering cycle for green_s.
 struct Fixed {
     unsigned green_s;
     std::vector<elmopp_stage_t> cycle{}; ///< filled at the first call

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 namespace elmopp {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 constexpr std::size_t phases_max = 8;
 constexpr std::size_t clusters_max = 8; ///< of a phase, however few phases there are
 constexpr std::size_t all_states_max = 12500;
-constexpr std::size_t ways_max = 8;
 constexpr unsigned pieces = 3; ///< of the mean flow until the horizon
 constexpr double no_cluster_veh = 1e-6;
 
@@ -205,25 +205,6 @@ class Schedule {
     std::size_t codes_ = 1;
 };
 
-/// Every way to go on from `chosen` with so many more stages, from this one on, until nobody is missing.
-void add_cycles(const elmopp_junction_t &junction, std::uint32_t missing, std::size_t more, elmopp_stage_t from,
-                Phases &chosen, std::vector<Phases> &found) {
-    if (missing == 0 && found.size() < ways_max) {
-        found.push_back(chosen);
-    }
-    if (missing == 0 || more == 0) {
-        return;
-    }
-    for (elmopp_stage_t s = from; s < junction.stage_count && found.size() < ways_max; ++s) {
-        const std::uint32_t own = served_by(junction, s) & missing;
-        if (own != 0) {
-            chosen.push_back({s, own});
-            add_cycles(junction, missing & ~own, more - 1, static_cast<elmopp_stage_t>(s + 1), chosen, found);
-            chosen.pop_back();
-        }
-    }
-}
-
 } // namespace
 
 FirstStep first_of_schedule(const elmopp_junction_t &junction, elmopp_stage_t present, const Phases &phases, bool leave,
@@ -247,15 +228,22 @@ FirstStep first_of_schedule(const elmopp_junction_t &junction, elmopp_stage_t pr
     return Schedule(junction, present, busy, leave && other).first();
 }
 
-std::vector<Phases> smallest_cycles(const elmopp_junction_t &junction) {
-    const std::uint32_t all = (std::uint32_t{1} << junction.movement_count) - 1U;
-    std::vector<Phases> found;
-    const std::size_t longest = covering_cycle(junction).size();
-    Phases chosen;
-    for (std::size_t size = 1; found.empty() && size <= longest; ++size) {
-        add_cycles(junction, all, size, 0, chosen, found);
+std::vector<Phases> ways_to_serve_all(const elmopp_junction_t &junction) {
+    const auto cycles = smallest_cycles(junction);
+    std::vector<Phases> ways;
+    ways.reserve(cycles.size());
+    for (const auto &stages : cycles) {
+        Phases phases;
+        phases.reserve(stages.size());
+        std::uint32_t taken = 0;
+        for (const elmopp_stage_t stage : stages) {
+            const std::uint32_t served = served_by(junction, stage);
+            phases.push_back({stage, served & ~taken});
+            taken |= served;
+        }
+        ways.push_back(std::move(phases));
     }
-    return found;
+    return ways;
 }
 
 std::vector<Cluster> Surtrac::clusters_of(const elmopp_view_t &view, std::uint32_t movements) const {
@@ -310,7 +298,7 @@ void Surtrac::add_mean_flow(const elmopp_view_t &view, std::uint32_t movements, 
 
 elmopp_stage_t Surtrac::choose(const elmopp_view_t &view, float *score) {
     if (ways.empty()) {
-        ways = smallest_cycles(*view.junction);
+        ways = ways_to_serve_all(*view.junction);
     }
     approaching.observe(view);
     flow.observe(view);

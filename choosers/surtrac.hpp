@@ -50,7 +50,7 @@ using Phases = std::vector<Phase>;
 
 /// The smallest sets of stages that serve every movement, at most 8 of them; a movement belongs to the first stage that
 /// serves it.
-std::vector<Phases> smallest_cycles(const elmopp_junction_t &junction);
+std::vector<Phases> ways_to_serve_all(const elmopp_junction_t &junction);
 
 /// What the cheapest schedule begins with.
 struct FirstStep {

@@ -80,6 +80,21 @@ void test_a_round_loses_every_change() {
     TEST_ASSERT_EQUAL_UINT(0, cycle.stage(4));
 }
 
+void test_the_cycle_is_a_smallest_one() {
+    const std::pair<const elmopp_junction_t *, std::size_t> sizes[] = {
+        {&elmopp_site_four_way, 4}, {&elmopp_site_three_way, 3}, {&elmopp_site_five_way, 5}, {&elmopp_site_one_way, 2}};
+    for (const auto &[site, size] : sizes) {
+        Cycle cycle;
+        cycle.prepare(*site);
+        TEST_ASSERT_EQUAL_UINT_MESSAGE(size, cycle.size(), site->name);
+        std::uint32_t served = 0;
+        for (std::size_t i = 0; i < cycle.size(); ++i) {
+            served |= served_by(*site, cycle.stage(i));
+        }
+        TEST_ASSERT_EQUAL_UINT32_MESSAGE((1U << site->movement_count) - 1U, served, site->name);
+    }
+}
+
 void test_flow_ratios_are_those_of_the_critical_movement() {
     Cycle cycle;
     cycle.prepare(elmopp_site_paper);
@@ -292,6 +307,7 @@ int main() {
     UNITY_BEGIN();
     RUN_TEST(test_a_change_costs_the_longest_intergreen_and_startup_of_what_is_new);
     RUN_TEST(test_a_round_loses_every_change);
+    RUN_TEST(test_the_cycle_is_a_smallest_one);
     RUN_TEST(test_flow_ratios_are_those_of_the_critical_movement);
     RUN_TEST(test_flow_ratios_give_a_movement_of_several_stages_what_it_needs);
     RUN_TEST(test_vehicles_are_on_their_way_for_the_travel_time);

@@ -243,10 +243,10 @@ void test_surtrac_is_as_good_as_trying_every_order() {
 }
 
 void test_surtrac_knows_every_smallest_cycle() {
-    const auto ways = smallest_cycles(elmopp_site_paper);
+    const auto ways = ways_to_serve_all(elmopp_site_paper);
     TEST_ASSERT_EQUAL_UINT(4, ways.size()); // north and south opposing or one by one, east and west likewise
     for (const auto *site : {&elmopp_site_three_way, &elmopp_site_four_way, &elmopp_site_five_way}) {
-        for (const auto &phases : smallest_cycles(*site)) {
+        for (const auto &phases : ways_to_serve_all(*site)) {
             std::uint32_t all = 0;
             for (const auto &phase : phases) {
                 TEST_ASSERT_EQUAL_UINT32(0, all & phase.movements);

@@ -4,7 +4,7 @@
 /// Chooser: the one exchangeable part. Types only.
 ///
 /// A chooser looks at a const view once a second and names the stage it wants. ELMOPP's own choosers (urgency.h,
-/// pressure.h) and every rival of host_sim plug in here, above the plan, so that none can win by skipping an amber. It
+/// pressure.h) and every rival (choosers/) plug in here, above the plan, so that none can win by skipping an amber. It
 /// never touches a lamp: the plan (plan.h) decides when the wanted stage may come.
 
 #ifndef ELMOPP_CHOOSER_H
