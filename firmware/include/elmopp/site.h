@@ -10,8 +10,8 @@
 /// hold the two against each other.
 ///
 /// Street rules, which a simulation_only site need not fulfil: amber 3 to 6 s (RiLSA 2015, 2.4; MUTCD 4F.17), a minimum
-/// green of at least 5 s (1 s in simulation), a maximum green, a bound on red, a fixed-time programme and maximal stages:
-/// a simulation may be given the stages that somebody else's signal has.
+/// green of at least 5 s (1 s in simulation), a maximum green, a bound on red, a fixed-time programme and maximal
+/// stages: a simulation may be given the stages that somebody else's signal has.
 ///
 /// In every site the intergreen of a conflicting pair is at least the amber of the group that ends plus the red-amber
 /// of the one that starts; no time is above ELMOPP_SITE_TIME_MAX_DS, so that 16-bit ages that saturate cannot hide that
