@@ -103,12 +103,11 @@ def test_the_same_scenario_is_the_same_bytes(written: Path, tmp_path: Path) -> N
 def test_a_seed_means_the_same_vehicles_under_any_signals(
     written: Path, tmp_path: Path, name: str, seconds: int
 ) -> None:
-    """Where there are two ways SUMO would choose by how full they are; the flows name theirs."""
+    """One signal stays red. Where there are two ways SUMO would choose by how slow they are; the flows name theirs."""
     red = ElementTree.Element("additional")
-    for logic in root_of(written / name / f"{name}.net.xml").iter("tlLogic"):
-        links = len(logic[0].get("state", ""))
-        programme = ElementTree.SubElement(red, "tlLogic", logic.attrib | {"programID": "red"})
-        ElementTree.SubElement(programme, "phase", duration="900", state="r" * links)
+    logic = next(root_of(written / name / f"{name}.net.xml").iter("tlLogic"))
+    stopped_logic = ElementTree.SubElement(red, "tlLogic", logic.attrib | {"programID": "red"})
+    ElementTree.SubElement(stopped_logic, "phase", duration="900", state="r" * len(logic[0].get("state", "")))
     (tmp_path / "red.add.xml").write_bytes(ElementTree.tostring(red))
 
     def vehicles(seed: int, *words: str) -> dict[str, tuple[object, ...]]:
