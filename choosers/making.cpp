@@ -42,16 +42,21 @@ double number_or(const ChooserSpec &spec, const std::string &option, double othe
     return value;
 }
 
-/// A whole number of seconds between bounds. Throws BadRequest naming the value.
-std::uint16_t seconds_or(const ChooserSpec &spec, const std::string &option, unsigned otherwise, unsigned lowest,
-                         unsigned highest) {
+/// A whole number between bounds. Throws BadRequest naming the value.
+std::uint16_t whole_or(const ChooserSpec &spec, const std::string &option, unsigned otherwise, unsigned lowest,
+                       unsigned highest, const std::string &what = "whole number") {
     const double value = number_or(spec, option, otherwise);
     if (value != std::floor(value) || value < lowest || value > highest) {
         throw BadRequest("option " + option + " of chooser " + spec.name + " is " + format_number(value, 9) +
-                         "; right would be a whole number of seconds from " + std::to_string(lowest) + " to " +
+                         "; right would be a " + what + " from " + std::to_string(lowest) + " to " +
                          std::to_string(highest));
     }
     return static_cast<std::uint16_t>(value);
+}
+
+std::uint16_t seconds_or(const ChooserSpec &spec, const std::string &option, unsigned otherwise, unsigned lowest,
+                         unsigned highest) {
+    return whole_or(spec, option, otherwise, lowest, highest, "whole number of seconds");
 }
 
 /// The window, each end held against the other: the message names the one that was given.
@@ -203,10 +208,9 @@ Made make_self_control(const ChooserSpec &spec, const Setting &setting) {
 }
 
 Made make_random(const ChooserSpec &spec, const Setting &setting) {
-    const double seed = number_or(spec, "seed", static_cast<double>(setting.seed));
     const bool given = has(spec, "seed");
-    return plugged(Random{seconds_or(spec, "interval", 10, 1, longest_s),
-                          std::mt19937_64(given ? static_cast<std::uint64_t>(seed) : setting.seed)});
+    const std::uint64_t seed = given ? whole_or(spec, "seed", 1, 1, 0xFFFFU) : setting.seed;
+    return plugged(Random{seconds_or(spec, "interval", 10, 1, longest_s), std::mt19937_64(seed)});
 }
 
 const std::map<std::string, Made (*)(const ChooserSpec &, const Setting &)> &makers() {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t phases_max = 8;
 constexpr std::size_t clusters_max = 8; ///< of a phase, however few phases there are
-constexpr std::size_t all_states_max = 12500;
+constexpr std::size_t all_states_max = 6000;
 constexpr unsigned pieces = 3; ///< of the mean flow until the horizon
 constexpr double no_cluster_veh = 1e-6;
 

@@ -13,7 +13,7 @@
 ///
 /// Phases have to divide the movements among them. Where the stages can be combined in several ways to a smallest
 /// cycle, each is scheduled and the cheapest schedule counts. The work is bounded: at most 8 ways, 8 phases, and so
-/// many clusters a phase, the last ones merged, that all programmes together have 12,500 states at most.
+/// many clusters a phase, the last ones merged, that all programmes together have 6,000 states at most.
 ///
 /// Source: X.-F. Xie, S. Smith, L. Lu and G. Barlow, Schedule-driven intersection control, Transp. Res. C 24, 2012.
 /// Reconstructed: what neighbours say that they will send is replaced by the mean flow, and the splitting of clusters

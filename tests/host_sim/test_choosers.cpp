@@ -4,12 +4,19 @@
 /// Choosers by name: what is accepted, what it becomes, and that a refusal names the value and what would be right.
 
 #include "choosers.hpp"
+
+#include "actuated.hpp"
 #include "cyclic.hpp"
 #include "error.hpp"
 #include "expect.hpp"
+#include "greedy.hpp"
 #include "rounds.hpp"
+#include "scats.hpp"
 #include "scenario.hpp"
+#include "scoot.hpp"
+#include "self_control.hpp"
 #include "sites.hpp"
+#include "surtrac.hpp"
 
 #include <set>
 
@@ -185,6 +192,43 @@ void test_options_arrive() {
     TEST_ASSERT_EQUAL_UINT(45, state_of<Fixed>("fixed@green=45").green_s);
 }
 
+void test_rivals_have_their_sources_defaults() {
+    const auto actuated = state_of<Actuated>("actuated");
+    TEST_ASSERT_EQUAL_UINT(5, actuated.min_s);
+    TEST_ASSERT_EQUAL_UINT(60, actuated.max_s);
+    TEST_ASSERT_EQUAL_UINT(3, actuated.gap_s);
+    TEST_ASSERT_EQUAL_UINT(10, state_of<MaxPressure>("max-pressure").interval_s);
+    TEST_ASSERT_EQUAL_UINT(20, state_of<MaxPressure>("max-pressure@interval=20").interval_s);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, state_of<MaxWaveHold>("max-wave-hold").margin_veh);
+    TEST_ASSERT_EQUAL_DOUBLE(2.0, state_of<ElmoppHold>("elmopp-hold").weight);
+    TEST_ASSERT_EQUAL_DOUBLE(ready_unlimited, state_of<ItlcRounds>("itlc-rounds").ready_veh);
+    TEST_ASSERT_EQUAL_UINT(120, state_of<Webster>("webster").longest_cycle_s);
+    TEST_ASSERT_EQUAL_UINT(60, state_of<Scats>("scats@cycle-max=60").medium_cycle_s);
+    TEST_ASSERT_EQUAL_DOUBLE(0.9, state_of<Scoot>("scoot").target);
+    TEST_ASSERT_EQUAL_UINT(60, state_of<Surtrac>("surtrac").horizon_s);
+    TEST_ASSERT_EQUAL_UINT(200, state_of<SelfControl>("self-control@period=200").longest_s);
+    expect_words(late_refusal("self-control@period=100@longest=50"), {"longest", "50", "100 to"});
+    expect_words(late_refusal("webster@cycle-max=20"), {"cycle-max", "20", "30 to 600"});
+    expect_words(late_refusal("random@seed=1.5"), {"seed", "1.5", "whole number"});
+}
+
+// What a simulator of single vehicles says, and host_sim does not.
+void test_the_setting_arrives() {
+    const std::vector<float> behind_veh(elmopp_site_four_way.movement_count);
+    const Setting setting{elmopp_site_four_way, true, false, 8, 77, behind_veh.data()};
+    const auto make = [&setting](const std::string &text) { return make_chooser(parse_chooser(text), setting); };
+    TEST_ASSERT_EQUAL_UINT(8, state_of<Actuated>(*make("actuated")).approaching.travel_s());
+    TEST_ASSERT_EQUAL_UINT(8, state_of<Surtrac>(*make("surtrac")).approaching.travel_s());
+    TEST_ASSERT_EQUAL_UINT(8, state_of<SelfControl>(*make("self-control")).approaching.travel_s());
+    TEST_ASSERT_EQUAL_UINT(8, state_of<LongestQueue>(*make("longest-queue")).approaching.travel_s());
+    TEST_ASSERT_EQUAL_UINT(8, state_of<ItlcRounds>(*make("itlc-rounds")).approaching.travel_s());
+    TEST_ASSERT_EQUAL_PTR(behind_veh.data(), state_of<MaxPressure>(*make("max-pressure")).downstream_veh);
+    TEST_ASSERT_TRUE(state_of<Random>(*make("random")).generator == std::mt19937_64(77));
+    TEST_ASSERT_TRUE(state_of<Random>(*make("random@seed=5")).generator == std::mt19937_64(5));
+    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_min_s, state_of<MaxWave>(*make("max-wave")).min_s);
+    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s, state_of<Actuated>(*make("actuated")).max_s);
+}
+
 void test_windows_come_from_the_profile() {
     TEST_ASSERT_EQUAL_UINT(5, urgency("naive", "figure").min_s);
     TEST_ASSERT_EQUAL_UINT(20, urgency("naive", "figure").max_s);
@@ -291,6 +335,8 @@ int main() {
     RUN_TEST(test_factors_out_of_range_are_refused);
     RUN_TEST(test_defaults);
     RUN_TEST(test_options_arrive);
+    RUN_TEST(test_rivals_have_their_sources_defaults);
+    RUN_TEST(test_the_setting_arrives);
     RUN_TEST(test_windows_come_from_the_profile);
     RUN_TEST(test_literal_profile_is_algorithm_1_as_printed);
     RUN_TEST(test_lists);
