@@ -6,8 +6,8 @@
 Demand is Poisson (SUMO's period="exp(RATE)"), a flow of its own from one end to another, drawn by SUMO from its --seed.
 A seed means the same vehicles whatever the signals do: their names, intended departures, types and speed factors, which
 SUMO draws apart from what it draws while they drive, and their routes, because the flows name them. A flow with from
-and to alone would be routed on entering, by the state of the roads just then. A test holds two programmes against each
-other, in every scenario.
+and to alone would be routed on entering, by the state of the roads just then. Tried with all scenarios for half an hour
+under fixed and actuated control: all the same. A test does it for one signal and for a network.
 """
 
 import argparse
