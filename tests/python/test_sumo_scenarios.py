@@ -3,14 +3,17 @@
 
 """tools/sumo-scenarios: what it writes, and that a seed means the same vehicles whatever the signals do."""
 
+import json
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SUMO = ROOT / "build" / "venv" / "sumo" / "bin" / "sumo"
+SUMO_BIN = ROOT / "build" / "venv" / "sumo" / "bin"
 
 
 def scenarios(*words: object, expect: int = 0) -> str:
@@ -35,20 +38,47 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def listed() -> dict[str, list[str]]:
+    """The columns after the name."""
+    head, *lines = scenarios("--list").splitlines()
+    assert head.split()[:6] == ["name", "signals", "arms", "lanes", "stages", "veh/h"]
+    return {line.split()[0]: line.split()[1:] for line in lines}
+
+
 def test_every_scenario_is_a_network_of_the_signals_that_the_list_says(written: Path) -> None:
-    listed = scenarios("--list").splitlines()
-    assert len(listed) == 15
-    for line in listed:
-        name, signals, _, demand = line.split()[:4]
+    table = listed()
+    assert len(table) == 15
+    for name, (signals, _, _, stages, demand, *_) in table.items():
         net = root_of(written / name / f"{name}.net.xml")
-        assert len(net.findall("tlLogic")) == int(signals)
-        assert all(logic.get("type") == "static" for logic in net.findall("tlLogic"))
+        logics = net.findall("tlLogic")
+        assert len(logics) == int(signals)
+        assert all(logic.get("type") == "static" for logic in logics)
+        greens = {sum("y" not in phase.get("state", "") for phase in logic.iter("phase")) for logic in logics}
+        assert "-".join(str(count) for count in sorted(greens)[:: max(1, len(greens) - 1)]) == stages
+        assert {phase.get("duration") for phase in net.iter("phase") if "y" in phase.get("state", "")} == {"3"}
         flows = root_of(written / name / f"{name}.rou.xml").findall("flow")
-        assert sum(float(f.get("period", "")[4:-1]) * 3600 for f in flows) > 0
-        assert int(demand) >= 400
+        vehicles = sum(
+            float(flow.get("period", "")[4:-1]) * (float(flow.get("end", "")) - float(flow.get("begin", "")))
+            for flow in flows
+        )
+        assert vehicles * 2 == pytest.approx(int(demand), rel=0.01)
         files = [f"{name}.{end}" for end in ("net.xml", "rou.xml", "sumocfg")]
         assert sorted(f.name for f in (written / name).iterdir()) == files
-    assert {line.split()[1] for line in listed} == {"1", "4", "16"}
+    assert {columns[0] for columns in table.values()} == {"1", "4", "16"}
+
+
+def test_every_link_gets_green_and_only_those_that_cross_nobody_need_not_give_way(written: Path) -> None:
+    nets = sorted(map(str, written.glob("*/*.net.xml")))
+    command = [str(SUMO_BIN / "python"), str(ROOT / "tests" / "python" / "sumo_greens_probe.py"), *nets]
+    done = subprocess.run(command, check=True, capture_output=True, timeout=60)
+    read = json.loads(done.stdout)
+    assert len(read) == 15
+    for file, signals in read.items():
+        assert signals, file
+        for signal in signals:
+            assert signal["crossing"] == signal["unheeded"] == signal["never"] == [], file
+            assert signal["links"] <= 16
+            assert len(set(signal["states"])) == len(signal["states"]) <= 8
 
 
 def test_left_turns_give_way_where_they_should_and_nowhere_else(written: Path) -> None:
@@ -69,37 +99,69 @@ def test_the_same_scenario_is_the_same_bytes(written: Path, tmp_path: Path) -> N
         assert file.read_bytes() == (written / "tee" / file.name).read_bytes()
 
 
-def test_a_seed_means_the_same_vehicles_under_any_signals(written: Path, tmp_path: Path) -> None:
-    links = len(next(root_of(written / "tee" / "tee.net.xml").iter("phase")).get("state", ""))
-    red = tmp_path / "red.add.xml"
-    red.write_text(
-        f'<additional><tlLogic id="C" type="static" programID="red" offset="0">'
-        f'<phase duration="900" state="{"r" * links}"/></tlLogic></additional>'
-    )
+@pytest.mark.parametrize(("name", "seconds"), [("tee", 120), ("paper", 300)])
+def test_a_seed_means_the_same_vehicles_under_any_signals(
+    written: Path, tmp_path: Path, name: str, seconds: int
+) -> None:
+    """One signal stays red. Where there are two ways SUMO would choose by how slow they are; the flows name theirs."""
+    red = ElementTree.Element("additional")
+    logic = next(root_of(written / name / f"{name}.net.xml").iter("tlLogic"))
+    stopped_logic = ElementTree.SubElement(red, "tlLogic", logic.attrib | {"programID": "red"})
+    ElementTree.SubElement(stopped_logic, "phase", duration="900", state="r" * len(logic[0].get("state", "")))
+    (tmp_path / "red.add.xml").write_bytes(ElementTree.tostring(red))
 
     def vehicles(seed: int, *words: str) -> dict[str, tuple[object, ...]]:
-        trips = tmp_path / "trips.xml"
-        command = [str(SUMO), "-c", str(written / "tee" / "tee.sumocfg"), "--end", "120", "--seed", str(seed)]
-        command += ["--tripinfo-output", str(trips), "--tripinfo-output.write-unfinished", "--no-step-log", *words]
+        trips, routes = tmp_path / "trips.xml", tmp_path / "routes.xml"
+        command = [str(SUMO_BIN / "sumo"), "-c", str(written / name / f"{name}.sumocfg"), "--end", str(seconds)]
+        command += ["--seed", str(seed), "--no-step-log", "--tripinfo-output", str(trips)]
+        command += ["--tripinfo-output.write-unfinished", "--vehroute-output", str(routes)]
+        command += ["--vehroute-output.write-unfinished", *words]
         subprocess.run(command, check=True, capture_output=True, timeout=60)
+        driven = {vehicle.get("id"): vehicle.find("route") for vehicle in root_of(routes).iter("vehicle")}
         return {
             trip.get("id", ""): (
                 round(float(trip.get("depart", "")) - float(trip.get("departDelay", "")), 2),
                 trip.get("vType"),
                 trip.get("speedFactor"),
-                trip.get("departLane"),
+                route.get("edges"),
             )
             for trip in root_of(trips)
+            if (route := driven[trip.get("id")]) is not None
         }
 
-    usual, stopped, other = vehicles(1), vehicles(1, "--additional-files", str(red)), vehicles(2)
+    usual, stopped = vehicles(1), vehicles(1, "--additional-files", str(tmp_path / "red.add.xml"))
     assert len(usual) > 30
-    assert {name: values[:3] for name, values in usual.items()} == {
-        name: values[:3] for name, values in stopped.items()
-    }
-    assert usual != other
+    assert usual == stopped
+    assert usual != vehicles(2)
+
+
+def test_the_length_can_be_chosen(tmp_path: Path) -> None:
+    scenarios("--out", tmp_path, "--hours", "0.05", "alternating", "platoons")
+    for name in ("alternating", "platoons"):
+        assert '<end value="180" />' in (tmp_path / name / f"{name}.sumocfg").read_text()
+        flows = root_of(tmp_path / name / f"{name}.rou.xml").findall("flow")
+        assert max(int(flow.get("end", "")) for flow in flows) == 180
 
 
 def test_bad_requests() -> None:
     assert "unknown scenario nowhere" in scenarios("--out", "x", "nowhere", expect=2)
     assert "--out is missing" in scenarios(expect=2)
+    for hours in ("0", "-1", "nan", "25", "long"):
+        assert f"{hours} is no length" in scenarios("--list", f"--hours={hours}", expect=2)
+
+
+def test_an_output_that_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    assert "a folder that can be written" in scenarios("--out", tmp_path / "file", "light", expect=2)
+
+
+def test_without_sumo_one_line_says_what_to_do(tmp_path: Path) -> None:
+    """A copy of the tools beside which there is no environment, under a Python without SUMO."""
+    (tmp_path / "tools" / "elmopp_tools").mkdir(parents=True)
+    for file in ("sumo-scenarios", "elmopp_tools/__init__.py", "elmopp_tools/venv.py"):
+        shutil.copy(ROOT / "tools" / file, tmp_path / "tools" / file)
+    command = [sys.executable, str(tmp_path / "tools" / "sumo-scenarios"), "--list"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 2
+    assert done.stderr.startswith("sumo-scenarios: this Python has no libsumo, sumolib; ")
+    assert done.stderr.count("\n") == 1

@@ -3,16 +3,17 @@
 
 """Builds SUMO networks of signals from a plan of places and roads, with netconvert.
 
-A road's lanes say at each end where they lead, from the kerb inwards, in letters: r right, s straight, l left. The
-signal's stages follow from a kind of phasing; a link that crosses a stronger one in its stage gives way (straight
-before right before left).
+A road's lanes say where they lead, from the kerb inwards, in letters: r right, s straight, l left. The signal's stages
+follow from a kind of phasing; a link that crosses a stronger one in its stage gives way (straight before right before
+left).
 """
 
 import math
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Sequence
+import tempfile
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -29,13 +30,16 @@ YELLOW_S = 3
 SIDES = "ENWS"  # by the quadrant of the angle from which an arm comes
 
 
+Place = tuple[float, float]  # metres to the east and to the north
+
+
 class NetError(Exception):
     """netconvert refused; the text is its own first line."""
 
 
 @dataclass(frozen=True)
 class Road:
-    """Two-way; `forth` are the lanes from `start` at the signal `end`, `back` the other way. Metres a second."""
+    """Two-way; `forth` are the lanes that come from `start`, `back` those from `end`. At an end no lane has letters."""
 
     start: str
     end: str
@@ -43,13 +47,23 @@ class Road:
     back: tuple[str, ...]
     speed_m_per_s: float = 13.9
 
+    @property
+    def forth_name(self) -> str:
+        """SUMO's name of the way from `start`."""
+        return f"{self.start}{self.end}"
 
-@dataclass(frozen=True)
+    @property
+    def back_name(self) -> str:
+        """SUMO's name of the way from `end`."""
+        return f"{self.end}{self.start}"
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """Signals and ends with their places in metres, the roads between them, and how the signals are phased."""
 
-    signals: dict[str, tuple[float, float]]
-    ends: dict[str, tuple[float, float]]
+    signals: dict[str, Place]
+    ends: dict[str, Place]
     roads: tuple[Road, ...]
     phasing: str
 
@@ -111,53 +125,82 @@ def _either(first: Stage, second: Stage) -> Stage:
     return lambda link: first(link) or second(link)
 
 
-def build(plan: Plan, folder: Path, name: str) -> None:
-    """Writes NAME.net.xml into a folder. Two passes: the paths across a signal say which links cross."""
-    edges = list(_edges(plan))
+def arms_of(plan: Plan, signal: str) -> dict[str, tuple[str, ...]]:
+    """The lanes that come to a signal, by where they come from."""
+    return {edge.start: edge.lanes for edge in edges_of(plan) if edge.end == signal}
+
+
+def stages_at(plan: Plan, signal: str) -> list[list[int]]:
+    """The links that are green in each stage.
+
+    Where lanes are missing one stage may be a part of another; it is left out, unless those that it lets go give way
+    in the other.
+    """
+    links = _links(signal, list(edges_of(plan)))
+    stages = [[index for index, link in enumerate(links) if lets(link)] for lets in stages_of(plan.phasing)]
+    if plan.phasing == "permissive":
+        return [stage for stage in stages if stage]
+    return [stage for stage in stages if stage and not any(set(stage) < set(other) for other in stages)]
+
+
+def net_of(plan: Plan) -> bytes:
+    """The network as netconvert makes it. Two passes: the paths across a signal say which links cross."""
+    edges = list(edges_of(plan))
     links = {signal: _links(signal, edges) for signal in plan.signals}
-    sources = folder / "plain"
-    sources.mkdir(parents=True, exist_ok=True)
-    _write_plain(sources, plan, edges, links)
-    net = folder / f"{name}.net.xml"
-    _netconvert(sources, net, with_phases=False)
-    crossing = sumolib.net.readNet(str(net))
-    programmes = {signal: _programme(signal, plan, links[signal], _foes(crossing, links[signal])) for signal in links}
-    (sources / "n.tll.xml").write_bytes(_logics(programmes, links))
-    _netconvert(sources, net, with_phases=True)
-    # The date and the folder in netconvert's comment would make every file another one.
-    net.write_text(re.sub(r"<!--.*?-->\n*", "", net.read_text(encoding="utf-8"), flags=re.DOTALL), encoding="utf-8")
-    for file in sources.iterdir():
-        file.unlink()
-    sources.rmdir()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        net = folder / "n.net.xml"
+        _write_plain(folder, plan, edges, links)
+        _netconvert(folder, with_phases=False)
+        crossing = sumolib.net.readNet(str(net))
+        programmes = {signal: _programme(signal, plan, ways, _foes(crossing, ways)) for signal, ways in links.items()}
+        (folder / "n.tll.xml").write_bytes(_logics(programmes, links))
+        _netconvert(folder, with_phases=True)
+        # The date and the folder in netconvert's comment would make every file another one.
+        return re.sub(rb"<!--.*?-->\n*", b"", net.read_bytes(), flags=re.DOTALL)
 
 
-def _edges(plan: Plan) -> Iterator[Edge]:
+def edges_of(plan: Plan) -> Iterator[Edge]:
+    """Both directions of all roads."""
     places = plan.signals | plan.ends
     for road in plan.roads:
-        for start, end, lanes in ((road.start, road.end, road.forth), (road.end, road.start, road.back)):
+        ways = (
+            (road.forth_name, road.start, road.end, road.forth),
+            (road.back_name, road.end, road.start, road.back),
+        )
+        for name, start, end, lanes in ways:
             (x, y), (to_x, to_y) = places[start], places[end]
             heading = math.degrees(math.atan2(to_y - y, to_x - x))
-            yield Edge(f"{start}{end}", start, end, lanes, road.speed_m_per_s, heading)
+            yield Edge(name, start, end, lanes, road.speed_m_per_s, heading)
+
+
+def turns_at(signal: str, edges: Iterable[Edge]) -> dict[str, dict[str, Edge]]:
+    """By the name of each edge that comes to a signal: where which turn leads, without turning round."""
+    there = list(edges)
+    return {
+        edge.name: {_turn(edge, out): out for out in there if out.start == signal and out.end != edge.start}
+        for edge in there
+        if edge.end == signal
+    }
 
 
 def _links(signal: str, edges: Sequence[Edge]) -> list[Link]:
     """All ways across a signal, approach by approach, lane by lane from the kerb."""
     found: list[Link] = []
-    ways_out = [edge for edge in edges if edge.start == signal]
+    exits = turns_at(signal, edges)
     for edge in (edge for edge in edges if edge.end == signal):
         side = SIDES[round((edge.heading_deg + 180.0) / 90.0) % 4]
-        exits = {_turn(edge, out): out for out in ways_out if out.end != edge.start}
-        for turn in "rsl":
+        for turn, out in exits[edge.name].items():
             lanes = [index for index, letters in enumerate(edge.lanes) if turn in letters]
-            if turn in exits:
-                found.extend(_across(side, turn, edge, exits[turn], lanes))
+            found.extend(_across(side, turn, edge, out, lanes))
     return sorted(found, key=lambda link: (link.start, link.start_lane, "rsl".index(link.turn)))
 
 
 def _across(side: str, turn: str, start: Edge, end: Edge, lanes: Sequence[int]) -> Iterator[Link]:
+    """Straight on one keeps the lane, counted from the kerb; a turn leads to the side to which it turns."""
     last = len(end.lanes) - 1
     for rank, lane in enumerate(lanes):
-        to_lane = max(0, last - (len(lanes) - 1 - rank)) if turn == "l" else min(rank, last)
+        to_lane = max(0, last - (len(lanes) - 1 - rank)) if turn == "l" else min(lane, last)
         yield Link(side, turn, start.name, end.name, lane, to_lane)
 
 
@@ -182,12 +225,10 @@ def _foes(net: sumolib.net.Net, links: Sequence[Link]) -> frozenset[tuple[int, i
 def _programme(name: str, plan: Plan, links: Sequence[Link], foes: frozenset[tuple[int, int]]) -> Programme:
     """The green phases, without what lies between them."""
     phases: list[Phase] = []
-    for lets in stages_of(plan.phasing):
-        green = [index for index, link in enumerate(links) if lets(link)]
-        if green:
-            state = "".join(_letter(index, green, links, foes) for index in range(len(links)))
-            turns = {links[index].turn for index in green}
-            phases.append(Phase(state, TURN_GREEN_S if turns == {"l"} else GREEN_S))
+    for green in stages_at(plan, name):
+        state = "".join(_letter(index, green, links, foes) for index in range(len(links)))
+        turns = {links[index].turn for index in green}
+        phases.append(Phase(state, TURN_GREEN_S if turns == {"l"} else GREEN_S))
     lanes = tuple(((link.start, f"{link.start}_{link.start_lane}"),) for link in links)
     return Programme(name, tuple(phases), lanes, foes)
 
@@ -252,12 +293,12 @@ def _write_plain(folder: Path, plan: Plan, edges: Sequence[Edge], links: dict[st
         (folder / name).write_bytes(ElementTree.tostring(root))
 
 
-def _netconvert(sources: Path, net: Path, *, with_phases: bool) -> None:
+def _netconvert(folder: Path, *, with_phases: bool) -> None:
     words = ["--node-files", "n.nod.xml", "--edge-files", "n.edg.xml", "--connection-files", "n.con.xml"]
-    words += ["--output-file", str(net.resolve()), "--no-turnarounds", "--no-warnings"]
+    words += ["--output-file", "n.net.xml", "--no-turnarounds", "--no-warnings"]
     words += ["--tllogic-files", "n.tll.xml"] if with_phases else []
     netconvert = Path(sys.prefix) / "bin" / "netconvert"
-    done = subprocess.run([netconvert, *words], cwd=sources, capture_output=True, text=True, check=False)
+    done = subprocess.run([netconvert, *words], cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         errors = [line for line in done.stderr.splitlines() if line.startswith("Error")] or [done.stderr.strip()]
         raise NetError(f"netconvert says: {errors[0]}")
