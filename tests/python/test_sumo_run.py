@@ -12,7 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from sumo_nets import cross, traffic
+from sumo_nets import CROSS, cross, traffic
 
 ROOT = Path(__file__).resolve().parents[2]
 SUMO_BIN = ROOT / "build" / "venv" / "sumo" / "bin"
@@ -170,6 +170,28 @@ def test_cameras_see_to_their_reach_across_cut_edges(tmp_path: Path, pieces: int
     assert entered == pytest.approx(sum(row[1] for row in rows[-1:]) + entered - rows[-1][0], abs=1.0)
 
 
+def test_people_who_walk_are_counted_and_served(tmp_path: Path) -> None:
+    net, routes = cross(tmp_path, walked=True), traffic(tmp_path, end_s=300, per_s=0.06)
+    walks = "".join(
+        f'<personFlow id="{a}{b}" begin="0" end="300" period="exp(0.03)"><walk from="{a}_C" to="C_{b}"/></personFlow>'
+        for a, b in ("NE", "SW", "EW", "WN")
+    )
+    routes.write_text(routes.read_text().replace("</routes>", f"{walks}</routes>"))
+    own = '<output><vehroute-output value="walks.xml"/></output>'
+    scenario = configuration(tmp_path, net, str(routes), more=own)
+    (row,) = sumo_run("--sumocfg", scenario, "--chooser", "naive", "--seeds", 1, "--end", 600)
+    people = [float(person.get("arrival", "-1")) for person in root_of(tmp_path / "walks.xml").iter("person")]
+    assert len(people) > 20, "a configuration's own outputs are kept"
+    assert min(people) > 0.0
+    assert int(row["longest_red_s"]) < 90, "they are a movement"
+    bad = tmp_path / "bad.rou.xml"
+    bad.write_text('<routes><person id="lost" depart="5"><walk from="N_C" to="C_N nowhere"/></person></routes>')
+    done = run("--net", net, "--routes", bad, "--end", 20, "--chooser", "naive")
+    assert done.returncode in (1, 2)
+    assert "SUMO says: " in done.stderr
+    assert done.stderr.count("\n") == 1, done.stderr
+
+
 # --- what it refuses ---
 
 
@@ -231,6 +253,16 @@ def test_networks_that_cannot_be_controlled(tmp_path: Path) -> None:
     assert "signal C has no green phase" in refused(
         "--net", net, "--routes", routes, "--end", 20, "--chooser", "static"
     )
+
+
+def test_a_signal_that_cannot_be_controlled_may_be_left_out(tmp_path: Path) -> None:
+    dark = '<tlLogic id="N1" type="static" programID="0" offset="0"><phase duration="9" state="O"/></tlLogic>'
+    net = cross(tmp_path, pieces=2, tls=CROSS.replace("</additional>", f"{dark}</additional>"))
+    words = ("--net", net, "--routes", traffic(tmp_path, pieces=2, end_s=60), "--end", 60, "--chooser")
+    for chooser in ("naive", "static"):
+        assert "signal N1 has no green phase (O)" in refused(*words, chooser)
+        (row,) = sumo_run(*words, chooser, "--allow-partial")
+        assert row["signals"] == "1"
 
 
 def test_without_sumo_it_says_what_to_do(tmp_path: Path) -> None:

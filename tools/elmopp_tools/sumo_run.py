@@ -32,6 +32,9 @@ EXIT_FAILED = 1
 
 STEP_S = 1.0
 
+# Two of its own kinds, and neither can be sent from one process to another.
+SUMO_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
+
 DESCRIPTION = """\
 Runs a SUMO scenario with every signal under one controller, once for each seed, and writes one line a seed.
 
@@ -204,7 +207,7 @@ def run(job: Job) -> dict[str, str]:
                 return _run_in(job, folder)
         except _StartError as error:
             raise ScenarioError(f"{job.scenario.name}: SUMO says: {_said(folder, error)}") from None
-        except libsumo.TraCIException as error:
+        except SUMO_ERRORS as error:
             raise RunError(f"{job.scenario.name}, seed {job.seed}: SUMO says: {_said(folder, error)}") from None
 
 
@@ -264,7 +267,7 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
 def _start(arguments: Sequence[str]) -> None:
     try:
         libsumo.start(["sumo", *arguments])
-    except libsumo.TraCIException as error:
+    except SUMO_ERRORS as error:
         raise _StartError(str(error)) from None
 
 
