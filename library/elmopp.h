@@ -84,7 +84,7 @@ elmopp_t *elmopp_open(const elmopp_options_t *options, char *message, uint32_t m
 /// Frees it. Null is nothing.
 void elmopp_close(elmopp_t *self);
 
-/// Fills `out` as far as its size says; elsewise ELMOPP_REFUSED.
+/// Fills `out` as far as its size says; ELMOPP_REFUSED for a size that it never had.
 int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out);
 
 /// Takes a second's counts and asks the chooser. ELMOPP_REFUSED for a count that is negative, not finite or beyond a

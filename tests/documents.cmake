@@ -23,5 +23,5 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
     add_test(NAME all_choosers
         COMMAND host_sim experiment --profile paper,saturation,figure,literal --choosers all --no-figures
             --out ${PROJECT_BINARY_DIR}/all_choosers)
-    set_tests_properties(all_choosers PROPERTIES LABELS "sim;nightly" TIMEOUT 1200)
+    set_tests_properties(all_choosers PROPERTIES LABELS "sim;nightly" TIMEOUT 3600)
 endif()

@@ -135,4 +135,9 @@ def test_the_comparison_is_students(tmp_path: Path) -> None:
         assert float(row["ci_high_s"]) == pytest.approx(interval.high, abs=0.006)
         assert float(row["ratio"]) == pytest.approx(sum(ours) / sum(rival), abs=1e-4)
         assert row["seeds"] == "10"
-    assert "geometric mean" in said
+    standings = list(csv.DictReader((tmp_path / "standings.csv").read_text().splitlines()))
+    assert standings[0]["chooser"] == "pressure"
+    ratios = [sum(delays[s, "pressure"]) / sum(delays[s, best[s]["best_rival"]]) for s in ("a", "b")]
+    assert float(standings[0]["mean_ratio"]) == pytest.approx((ratios[0] * ratios[1]) ** 0.5, abs=0.0006)
+    assert float(standings[0]["worst_ratio"]) == pytest.approx(max(ratios), abs=0.0006)
+    assert "mean_ratio" in said

@@ -36,7 +36,7 @@ Runs many SUMO scenarios under many controllers for many seeds, here or on a clu
   run      runs its lines with GNU parallel; lines that have their result are left out, so that it goes on where it was
            broken off
   merge    writes CAMPAIGN/runs.csv, one table of all results in the order of the job file
-  compare  writes CAMPAIGN/best_rivals.csv and then CAMPAIGN/comparison.csv, and prints both"""
+  compare  writes CAMPAIGN/best_rivals.csv, then comparison.csv and standings.csv beside it, and prints them"""
 
 EPILOG = """\
 Exit codes: 0 done; 1 a line failed or a result is missing; 2 the request cannot be run, with one line that says why.

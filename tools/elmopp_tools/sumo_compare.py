@@ -10,7 +10,7 @@ Intervals are 95 % of Student's t over the seeds' differences: the same seed has
 
 import csv
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,7 +45,7 @@ class Cell:
 
 
 def compare(runs: Path, folder: Path, ours: Sequence[str]) -> None:
-    """Writes best_rivals.csv and comparison.csv into a folder, and prints both."""
+    """Writes best_rivals.csv, comparison.csv and standings.csv into a folder, and prints all three."""
     cells = _cells(runs)
     best = {cell.scenario: cell for cell in _best_rivals(cells, ours)}
     rivals = [_rival_row(cell) for cell in best.values()]
@@ -55,12 +55,10 @@ def compare(runs: Path, folder: Path, ours: Sequence[str]) -> None:
         raise CompareError(f"{runs} has no run of {', '.join(ours)} beside a rival ; make the campaign with both")
     rows.sort(key=lambda row: (row["chooser"], row["scenario"]))
     _write(folder / "comparison.csv", rows)
-    _print(rivals)
-    _print(rows)
-    for name in dict.fromkeys(row["chooser"] for row in rows):
-        ratios = [float(row["ratio"]) for row in rows if row["chooser"] == name]
-        mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
-        print(f"{name}: geometric mean of the ratios {mean:.3f}, worst {max(ratios):.3f}, {len(ratios)} scenarios")
+    standings = sorted(_standings(cells, best), key=lambda row: float(row["mean_ratio"]))
+    _write(folder / "standings.csv", standings)
+    for table in (rivals, rows, standings):
+        _print(table)
 
 
 def _cells(runs: Path) -> list[Cell]:
@@ -134,6 +132,33 @@ def _row(cell: Cell, rival: Cell) -> dict[str, str]:
         "longest_wait_s": f"{cell.longest_wait_s:.0f}",
         "rival_longest_wait_s": f"{rival.longest_wait_s:.0f}",
     }
+
+
+def _standings(cells: Sequence[Cell], best: dict[str, Cell]) -> Iterator[dict[str, str]]:
+    """Everybody beside the best rival of each scenario, who is another one from scenario to scenario: nobody is he.
+
+    Seeds that only one of the two has are left out.
+    """
+    for name in dict.fromkeys(cell.name for cell in cells):
+        members = [cell for cell in cells if cell.name == name and cell.scenario in best]
+        ratios = [ratio for cell in members if (ratio := _ratio(cell, best[cell.scenario])) is not None]
+        if ratios:
+            yield {
+                "chooser": name,
+                "scenarios": str(len(ratios)),
+                "mean_ratio": f"{math.exp(sum(map(math.log, ratios)) / len(ratios)):.3f}",
+                "worst_ratio": f"{max(ratios):.3f}",
+                "not_inserted": str(sum(cell.not_inserted for cell in members)),
+                "teleports": str(sum(cell.teleports for cell in members)),
+                "longest_wait_s": f"{max(cell.longest_wait_s for cell in members):.0f}",
+            }
+
+
+def _ratio(cell: Cell, rival: Cell) -> float | None:
+    seeds = cell.delay_s.keys() & rival.delay_s.keys()
+    if not seeds:
+        return None
+    return sum(cell.delay_s[seed] for seed in seeds) / sum(rival.delay_s[seed] for seed in seeds)
 
 
 def _write(file: Path, rows: Sequence[dict[str, str]]) -> None:

@@ -182,7 +182,9 @@ def _check_output(name: str) -> None:
 
 
 def _run_all(jobs: Sequence[Job], at_once: int) -> list[dict[str, str]]:
-    """Each in a process of its own: a SUMO lives once in a process, and a crash takes nobody with it."""
+    """Each in a process of its own, as SUMO lives once in a process; one alone in this one."""
+    if len(jobs) == 1:
+        return [run(jobs[0])]
     with multiprocessing.get_context("spawn").Pool(min(at_once, len(jobs)), maxtasksperchild=1) as pool:
         return pool.map(run, jobs, chunksize=1)
 
