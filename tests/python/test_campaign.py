@@ -81,6 +81,32 @@ def test_lines_in_any_order_make_one_table(made: Path) -> None:
     assert (made / "runs.csv").read_text() == table
 
 
+def test_one_command_does_it_all(tmp_path: Path) -> None:
+    net, routes = cross(tmp_path), traffic(tmp_path, end_s=30)
+    (tmp_path / "one.sumocfg").write_text(
+        f'<configuration><input><net-file value="{net}"/><route-files value="{routes}"/></input>'
+        f'<time><end value="60"/></time></configuration>'
+    )
+
+    def compare(*words: object) -> subprocess.CompletedProcess[str]:
+        command = [str(word) for word in (ROOT / "tools" / "sumo-compare", *words)]
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+    out = tmp_path / "out"
+    choice = ("--scenarios", tmp_path / "one.sumocfg", "--choosers", "naive,static", "--seeds", "1-2")
+    for expected in ("4 lines run, 0 were there", "0 lines run, 4 were there"):
+        done = compare("--out", out, *choice)
+        assert done.returncode == 0, done.stderr
+        assert expected in done.stdout
+    assert (out / "best_rivals.csv").read_text().splitlines()[1].startswith("one,static,")
+    assert (out / "comparison.csv").read_text().splitlines()[1].startswith("one,naive,static,2,")
+    for words, right in (((), "--out is missing"), (("--jobs", "x"), "--jobs 'x'"), (("--sites",), "unknown argument")):
+        done = compare(*(("--out", out) if "--jobs" in words else ()), *words)
+        assert done.returncode == 2
+        assert right in done.stderr
+        assert done.stderr.count("\n") == 1
+
+
 def test_a_line_that_fails_is_named(made: Path) -> None:
     jobs, plan = made / "jobs.txt", made / "campaign.json"
     for file in (jobs, plan):

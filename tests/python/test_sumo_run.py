@@ -210,6 +210,7 @@ def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
     assert "'0.5'" in refused(*scenario, "--chooser", "naive", "--reach", 0.5)
     assert "--chooser" in refused(*scenario)
     assert "no/folder" in refused(*scenario, "--chooser", "naive", "--csv", "no/folder/x.csv")
+    assert "'nan'" in refused(*scenario, "--chooser", "naive", "--begin", "nan")
     assert "not after" in refused(*scenario, "--begin", 30, "--chooser", "naive")
     assert "either --sumocfg" in refused("--net", net, "--chooser", "naive")
     assert "either --sumocfg" in refused("--sumocfg", "x", *scenario, "--chooser", "naive")
@@ -225,6 +226,10 @@ def test_files_that_are_not_there_or_are_not_sumos(simple: tuple[Path, Path], tm
     wrong = tmp_path / "wrong.sumocfg"
     wrong.write_text("<configuration>")
     assert "no XML" in refused("--sumocfg", wrong, "--chooser", "naive")
+    wrong.write_text(
+        lost.read_text().replace('end value="300"', 'end value="soon"').replace("lost.rou.xml", str(routes))
+    )
+    assert "has end soon ; seconds" in refused("--sumocfg", wrong, "--chooser", "naive")
     wrong.write_text("<routes/>")
     assert "names no net-file" in refused("--sumocfg", wrong, "--chooser", "naive")
     assert "no network" in refused("--net", routes, "--routes", routes, "--chooser", "naive")

@@ -10,7 +10,7 @@ import multiprocessing
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +31,7 @@ from elmopp_tools.sumo_signal import Phase, Programme, Signal, SignalError, Time
 EXIT_FAILED = 1
 
 STEP_S = 1.0
+SECOND_MAX = 1e7  # four months
 
 # Two of its own kinds, and neither can be sent from one process to another.
 SUMO_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
@@ -104,9 +105,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--sumocfg", metavar="FILE", type=Path, help="a scenario; or instead of it:")
     parser.add_argument("--net", metavar="FILE", type=Path, help="a network, with --routes")
     parser.add_argument("--routes", metavar="FILE[,FILE]", help="its vehicles")
-    parser.add_argument("--begin", metavar="S", type=float, help="first second (default: the scenario's, or 0)")
+    parser.add_argument("--begin", metavar="S", type=_second, help="first second (default: the scenario's, or 0)")
     parser.add_argument(
-        "--end", metavar="S", type=float, help="last second (default: the scenario's, or when all have arrived)"
+        "--end", metavar="S", type=_second, help="last second (default: the scenario's, or when all have arrived)"
     )
     parser.add_argument("--chooser", metavar="NAME[:FORECAST]", required=True, help="who chooses the stages")
     parser.add_argument("--seeds", metavar="A-B|A,B", type=seeds_of, default=(1,), help="SUMO's seeds (default: 1)")
@@ -133,13 +134,23 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _whole(least: int, most: int):  # type: ignore[no-untyped-def]
+def _whole(least: int, most: int) -> Callable[[str], int]:
     def whole(text: str) -> int:
         if not text.isdecimal() or not least <= int(text) <= most:
             raise argparse.ArgumentTypeError(f"'{text}'; right would be a whole number from {least} to {most}")
         return int(text)
 
     return whole
+
+
+def _second(text: str) -> float:
+    try:
+        second = float(text)
+    except ValueError:
+        second = -1.0
+    if not 0.0 <= second <= SECOND_MAX:
+        raise argparse.ArgumentTypeError(f"'{text}'; right would be a second from 0 to {SECOND_MAX:g}")
+    return second
 
 
 def _reach(text: str) -> float:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
+import sumolib
+
 
 class ScenarioError(Exception):
     """Why a scenario cannot be run, with the value, and what would be right."""
@@ -94,7 +96,13 @@ def _of_configuration(file: Path, begin_s: float | None, end_s: float | None) ->
         return tuple(file.parent / piece.strip() for piece in named.split(",") if piece.strip())
 
     def second(given: float | None, name: str) -> float | None:
-        return given if given is not None else float(values[name]) if values.get(name) else None
+        if given is not None or not values.get(name):
+            return given
+        try:
+            return float(sumolib.miscutils.parseTime(values[name]))
+        except ValueError:
+            wrong = f"--sumocfg {file} has {name} {values[name]}"
+            raise ScenarioError(f"{wrong} ; seconds, or hours:minutes:seconds") from None
 
     end = second(end_s, "end")
     return Scenario(
