@@ -46,16 +46,16 @@ template <typename Struct> Struct in_our_size(const Struct *given, std::size_t n
     return ours;
 }
 
-std::uint16_t all_groups(const elmopp_handle &self) {
+std::uint16_t groups_that_exist(const elmopp_handle &self) {
     return static_cast<std::uint16_t>((1U << self.junction.group_count) - 1U);
 }
 
 /// What is shown once the monitor has given its verdict: the plan's lamps, or the site's flashing.
 elmopp_lamps_t judged(elmopp_handle &self, const elmopp_lamps_t &lamps) {
-    const elmopp_monitor_input_t input{lamps, lamps, all_groups(self), ELMOPP_MODE_AUTOMATIC};
+    const elmopp_monitor_input_t input{lamps, lamps, groups_that_exist(self), ELMOPP_MODE_AUTOMATIC};
     return elmopp_monitor_check(&self.monitor, &input) == ELMOPP_FAULT_NONE
                ? lamps
-               : elmopp_lamps_flashing(&self.junction, all_groups(self));
+               : elmopp_lamps_flashing(&self.junction, groups_that_exist(self));
 }
 
 ChooserSpec chooser_of(const elmopp_options_t &options, const elmopp_junction_t &junction) {
@@ -93,7 +93,7 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     elmopp_pilot_init(&self->pilot, &self->junction, &self->plugged->chooser, &forecast);
     elmopp_monitor_init(&self->monitor, &self->junction);
     // A new monitor has seen flashing, after which comes red.
-    (void)judged(*self, elmopp_lamps_t{all_groups(*self), 0, 0, 0});
+    (void)judged(*self, elmopp_lamps_t{groups_that_exist(*self), 0, 0, 0});
     return self;
 }
 
