@@ -278,3 +278,15 @@ def test_without_sumo_it_says_what_to_do(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 2
     assert done.stderr == "sumo-run: this Python has no libsumo, sumolib; run ./tools/setup sumo\n"
+
+
+def test_a_sumo_that_cannot_be_loaded_is_one_line(tmp_path: Path) -> None:
+    for module, text in (("libsumo", 'raise ImportError("libX11.so.6: no such file", name="libX11")'), ("sumolib", "")):
+        (tmp_path / f"{module}.py").write_text(text)
+    shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    done = subprocess.run(
+        ["/usr/bin/python3", tmp_path / "tools" / "sumo-run", "--chooser", "naive"],
+        capture_output=True, text=True, check=False, timeout=20, env={"PYTHONPATH": str(tmp_path)},
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == "sumo-run: cannot load libX11: libX11.so.6: no such file; run ./tools/setup sumo\n"

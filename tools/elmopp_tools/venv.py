@@ -7,6 +7,7 @@ A program calls enter("base") before it imports numpy and its like. It never ins
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 import sys
@@ -42,6 +43,16 @@ def enter(name: str) -> None:
     missing = [module for module in _MODULES[name] if importlib.util.find_spec(module) is None]
     if missing:
         print(f"{Path(sys.argv[0]).name}: this Python has no {', '.join(missing)}; {_remedy(name)}", file=sys.stderr)
+        sys.exit(2)
+
+
+def must_load(name: str) -> None:
+    """Ends the program with 2 and one line where a module of an environment is there but cannot be loaded."""
+    try:
+        for module in _MODULES[name]:
+            importlib.import_module(module)
+    except ImportError as error:
+        print(f"{Path(sys.argv[0]).name}: cannot load {error.name}: {error}; {_remedy(name)}", file=sys.stderr)
         sys.exit(2)
 
 
