@@ -61,44 +61,47 @@ class Junction:
     node: Program
     program: Program
 
-    def comes_up(self) -> bool:
-        """Whether it reaches its steady mode; false if a fault ends the start-up."""
+    def is_steady(self) -> bool:
+        """Whether it is in its steady mode, now or at the end of its start-up; false if a fault has ended that."""
+        self.bus.clear()
         wanted = {STEADY, "fail_safe"}
-        return (
-            self.bus.until(STATUS, lambda frame: frame.mode in wanted, 90.0, "the end of the start-up").mode == STEADY
-        )
+        status = self.bus.until(STATUS, lambda frame: frame.mode in wanted, 90.0, "the end of the start-up")
+        return status.mode == STEADY
 
 
-def junction_on(stack: contextlib.ExitStack, name: str) -> Junction:
-    return Junction(name, Bus(name), stack.enter_context(lamp_node(name)), stack.enter_context(controller(name)))
-
-
-def up(stack: contextlib.ExitStack, junction: Junction) -> Junction:
-    """The junction once it is in its steady mode, or another one in its place."""
-    for _ in range(START_TRIES):
-        if junction.comes_up():
-            return junction
-        junction.program.stop()
-        junction.node.stop()
-        junction = junction_on(stack, junction.name)
-    pytest.fail(f"{junction.name} did not come up in {START_TRIES} tries")
-
-
-@pytest.fixture(scope="session")
-def junctions() -> Iterator[dict[str, Junction]]:
+class Junctions:
     """All that are needed, started together: a start-up takes seconds.
 
     Where the machine stands still for 300 ms, as a virtual one does whose host is busy, a lamp node flashes and the
-    start-up ends in a fault, as it must. It is then tried again, by itself.
+    controller with it, as they must. Whoever asks for a junction then gets it started again.
     """
-    with contextlib.ExitStack() as stack:
-        started = {}
-        for name in ("die0", "two0", "down0", "plug0", "err0"):
+
+    def __init__(self, stack: contextlib.ExitStack, *names: str) -> None:
+        self._stack = stack
+        for name in names:
             stack.enter_context(interface(name))
-            started[name] = junction_on(stack, name)
-        for name, junction in started.items():
-            started[name] = up(stack, junction)
-        yield started
+        self._made = {name: self._make(name) for name in names}
+
+    def _make(self, name: str) -> Junction:
+        node, program = (self._stack.enter_context(start(name)) for start in (lamp_node, controller))
+        return Junction(name, Bus(name), node, program)
+
+    def steady(self, name: str) -> Junction:
+        """The junction in its steady mode."""
+        for _ in range(START_TRIES):
+            if self._made[name].is_steady():
+                return self._made[name]
+            self._made[name].program.stop()
+            self._made[name].node.stop()
+            self._made[name] = self._make(name)
+        pytest.fail(f"{name} did not come up in {START_TRIES} tries")
+
+
+@pytest.fixture(scope="session")
+def junctions() -> Iterator[Junctions]:
+    """A bus for each test that wants one for itself."""
+    with contextlib.ExitStack() as stack:
+        yield Junctions(stack, "die0", "two0", "down0", "plug0", "err0")
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -206,9 +209,9 @@ def test_a_controller_that_is_killed_leaves_flashing_within_its_time() -> None:
 
 
 def test_a_lamp_node_that_dies_is_a_fault_that_only_a_person_at_the_cabinet_clears(
-    junctions: dict[str, Junction],
+    junctions: Junctions,
 ) -> None:
-    junction = junctions["die0"]
+    junction = junctions.steady("die0")
     bus, program = junction.bus, junction.program
     junction.node.process.kill()
     bus.clear()
@@ -227,8 +230,8 @@ def test_a_lamp_node_that_dies_is_a_fault_that_only_a_person_at_the_cabinet_clea
         bus.mode(STEADY)
 
 
-def test_two_controllers_on_one_bus_both_flash(junctions: dict[str, Junction]) -> None:
-    junction = junctions["two0"]
+def test_two_controllers_on_one_bus_both_flash(junctions: Junctions) -> None:
+    junction = junctions.steady("two0")
     with controller(junction.name) as second:
         junction.program.says("fault second controller", 5.0)
         second.says("fault second controller", 5.0)
@@ -259,8 +262,8 @@ def test_a_broken_node_is_found_and_a_small_hitch_is_none() -> None:
             assert last.mode == (STEADY if fault == "none" else "fail_safe")
 
 
-def test_an_interface_that_goes_down_and_comes_back_is_survived(junctions: dict[str, Junction]) -> None:
-    junction = junctions["down0"]
+def test_an_interface_that_goes_down_and_comes_back_is_survived(junctions: Junctions) -> None:
+    junction = junctions.steady("down0")
     ip("set", junction.name, "down")
     junction.program.says("fault feedback lost", 5.0)
     junction.program.says("unsent frames", 5.0)
@@ -269,8 +272,8 @@ def test_an_interface_that_goes_down_and_comes_back_is_survived(junctions: dict[
     assert junction.program.process.poll() is None
 
 
-def test_an_adapter_that_is_unplugged_and_plugged_in_again_is_found(junctions: dict[str, Junction]) -> None:
-    junction = junctions["plug0"]
+def test_an_adapter_that_is_unplugged_and_plugged_in_again_is_found(junctions: Junctions) -> None:
+    junction = junctions.steady("plug0")
     ip("del", junction.name)
     junction.program.says("fault feedback lost", 5.0)
     junction.node.says("by itself", 5.0)
@@ -282,8 +285,9 @@ def test_an_adapter_that_is_unplugged_and_plugged_in_again_is_found(junctions: d
     junction.program.says("opened again 1", 5.0)
 
 
-def test_error_frames_are_understood_and_change_no_lamp(junctions: dict[str, Junction]) -> None:
-    bus, program = junctions["err0"].bus, junctions["err0"].program
+def test_error_frames_are_understood_and_change_no_lamp(junctions: Junctions) -> None:
+    junction = junctions.steady("err0")
+    bus, program = junction.bus, junction.program
     bus.clear()
     bus.send(ERROR_FLAG | BUS_OFF, bytes(8))
     program.says("bus-off 1", 5.0)
