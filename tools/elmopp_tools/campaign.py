@@ -11,7 +11,6 @@ nobody's business here: tools/campaign run does it with GNU parallel, tools/camp
 
 import argparse
 import csv
-import io
 import json
 import shlex
 import shutil
@@ -24,7 +23,7 @@ from pathlib import Path
 from elmopp_tools import sumo_compare
 from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, write
 from elmopp_tools.seeds import seeds_of
-from elmopp_tools.sumo_report import COLUMNS
+from elmopp_tools.sumo_report import COLUMNS, table
 
 EXIT_FAILED = 1
 ROOT = Path(__file__).resolve().parents[2]
@@ -202,11 +201,7 @@ def _merge(options: argparse.Namespace) -> None:
             if len(found) != 1 or found[0]["scenario"] != line.scenario or found[0]["seed"] != str(line.seed):
                 raise IncompleteError(f"{line.result} is not the result of its line ; remove it and run again")
             rows.extend(found)
-    text = io.StringIO()
-    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    write({options.campaign / "runs.csv": text.getvalue().encode()})
+    write({options.campaign / "runs.csv": table(rows, COLUMNS)})
     print(f"{options.campaign / 'runs.csv'}: {len(rows)} runs")
 
 

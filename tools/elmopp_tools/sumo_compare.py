@@ -17,6 +17,8 @@ from pathlib import Path
 from scipy import stats
 
 from elmopp_tools.outputs import write
+from elmopp_tools.sumo_report import table
+from elmopp_tools.tables import label_of
 
 OURS = ("naive", "cumulative", "pressure", "priced", "rollout")
 CONFIDENCE = 0.95
@@ -57,16 +59,15 @@ def compare(runs: Path, folder: Path, ours: Sequence[str]) -> None:
     _write(folder / "comparison.csv", rows)
     standings = sorted(_standings(cells, best), key=lambda row: float(row["mean_ratio"]))
     _write(folder / "standings.csv", standings)
-    for table in (rivals, rows, standings):
-        _print(table)
+    for printed in (rivals, rows, standings):
+        _print(printed)
 
 
 def _cells(runs: Path) -> list[Cell]:
     grouped: dict[tuple[str, str], list[dict[str, str]]] = {}
     with runs.open(encoding="utf-8", newline="") as file:
         for run in csv.DictReader(file):
-            name = run["chooser"] if run["forecast"] == "none" else f"{run['chooser']}:{run['forecast']}"
-            grouped.setdefault((run["scenario"], name), []).append(run)
+            grouped.setdefault((run["scenario"], label_of(run)), []).append(run)
     return [
         Cell(
             scenario=scenario,
@@ -162,9 +163,7 @@ def _ratio(cell: Cell, rival: Cell) -> float | None:
 
 
 def _write(file: Path, rows: Sequence[dict[str, str]]) -> None:
-    head = list(rows[0]) if rows else []
-    text = "".join(",".join(values) + "\n" for values in [head, *(list(row.values()) for row in rows)])
-    write({file: text.encode()})
+    write({file: table(rows, list(rows[0]) if rows else [])})
 
 
 def _print(rows: Sequence[dict[str, str]]) -> None:

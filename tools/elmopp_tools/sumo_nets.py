@@ -20,13 +20,14 @@ from xml.etree import ElementTree
 
 import sumolib
 
-from elmopp_tools.sumo_signal import Phase, Programme, Signal, read_signal, transition
+from elmopp_tools.sumo_own import phases_of
+from elmopp_tools.sumo_signal import Phase, Programme, Times, read_signal
 
 STRAIGHT_DEG = 45.0
 STRENGTH = "lrs"  # the later, the stronger
 GREEN_S = 30.0
 TURN_GREEN_S = 12.0
-YELLOW_S = 3
+NET_TIMES = Times(yellow_s=3, all_red_s=0, min_green_s=1, max_green_s=1, red_bound_s=0)  # a network's own: amber alone
 SIDES = "ENWS"  # by the quadrant of the angle from which an arm comes
 
 
@@ -248,23 +249,13 @@ def _logics(programmes: dict[str, Programme], links: dict[str, list[Link]]) -> b
     for name, programme in programmes.items():
         signal = read_signal(programme)
         logic = ElementTree.SubElement(root, "tlLogic", id=name, type="static", programID="0", offset="0")
-        for state, seconds in _phases(signal):
-            ElementTree.SubElement(logic, "phase", duration=str(seconds), state=state)
+        for attributes in phases_of(signal, NET_TIMES, "static"):
+            ElementTree.SubElement(logic, "phase", attributes)
     for name, ways in links.items():
         for index, link in enumerate(ways):
             ElementTree.SubElement(root, "connection", _connection(link), tl=name, linkIndex=str(index))
     text: bytes = ElementTree.tostring(root)
     return text
-
-
-def _phases(signal: Signal) -> Iterator[tuple[str, int]]:
-    for stage, state in enumerate(signal.states):
-        yield state, round(signal.durations_s[stage])
-        following = (stage + 1) % len(signal.states)
-        if following != stage:
-            amber, _ = transition(signal, stage, following)
-            if "y" in amber:
-                yield amber, YELLOW_S
 
 
 def _connection(link: Link) -> dict[str, str]:

@@ -24,13 +24,14 @@ def own_programmes(signals: Sequence[Signal], times: Times, chooser: str) -> byt
         logic = ElementTree.SubElement(
             root, "tlLogic", id=signal.name, type=TYPES[chooser], programID=PROGRAM, offset="0"
         )
-        for attributes in _phases(signal, times, chooser):
+        for attributes in phases_of(signal, times, chooser):
             ElementTree.SubElement(logic, "phase", attributes)
     text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text
 
 
-def _phases(signal: Signal, times: Times, chooser: str) -> Iterator[dict[str, str]]:
+def phases_of(signal: Signal, times: Times, chooser: str) -> Iterator[dict[str, str]]:
+    """The attributes of every phase: the greens, and between them amber and all red where there are any."""
     count = len(signal.states)
     for stage, state in enumerate(signal.states):
         green_s = max(times.min_green_s, round(signal.durations_s[stage]))

@@ -13,6 +13,9 @@ teleports      vehicles that SUMO lifted out of a jam, at the time-to-teleport o
 co2_kg fuel_kg of all vehicles that entered, by SUMO's emission model
 """
 
+import csv
+import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
@@ -79,6 +82,15 @@ def read_statistics(file: Path) -> Statistics:
         not_inserted=int(vehicles.get("waiting", "0")) if vehicles is not None else 0,
         teleports=int(teleports.get("total", "0")) if teleports is not None else 0,
     )
+
+
+def table(rows: Sequence[dict[str, str]], columns: Sequence[str]) -> bytes:
+    """The rows as CSV, with a head."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return text.getvalue().encode()
 
 
 def number(value: float) -> str:

@@ -4,8 +4,6 @@
 """The command behind tools/sumo-run: a SUMO scenario under one controller, seed by seed, as a table."""
 
 import argparse
-import csv
-import io
 import multiprocessing
 import os
 import sys
@@ -24,7 +22,7 @@ from elmopp_tools.site_image import image_bytes
 from elmopp_tools.sumo_drive import Driver, Street
 from elmopp_tools.sumo_network import Network
 from elmopp_tools.sumo_own import PROGRAM, TYPES, own_programmes
-from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row
+from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row, table
 from elmopp_tools.sumo_scenario import Scenario, ScenarioError, scenario_of
 from elmopp_tools.sumo_signal import Phase, Programme, Signal, SignalError, Times, junction_of, read_signal
 
@@ -201,14 +199,11 @@ def _run_all(jobs: Sequence[Job], at_once: int) -> list[dict[str, str]]:
 
 
 def _write(name: str, rows: Sequence[dict[str, str]]) -> None:
-    text = io.StringIO()
-    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
+    content = table(rows, COLUMNS)
     if name == "-":
-        sys.stdout.write(text.getvalue())
+        sys.stdout.write(content.decode())
     else:
-        write({Path(name): text.getvalue().encode()})
+        write({Path(name): content})
 
 
 def run(job: Job) -> dict[str, str]:
