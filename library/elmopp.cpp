@@ -188,7 +188,7 @@ std::uint32_t elmopp_stage_groups(const elmopp_t *self, std::uint32_t stage) {
 }
 
 std::uint32_t elmopp_served(const elmopp_t *self, std::uint32_t groups) {
-    const auto mask = static_cast<std::uint16_t>(groups & ((1U << self->junction.group_count) - 1U));
+    const auto mask = static_cast<std::uint16_t>(groups & elmopp::groups_that_exist(*self));
     return elmopp_junction_served(&self->junction, mask);
 }
 

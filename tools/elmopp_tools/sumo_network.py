@@ -18,6 +18,9 @@ import sumolib
 
 from elmopp_tools.sumo_signal import LaneGroup, Phase, Programme, Signal, SignalError
 
+# SUMO's links of a signal: for each the lanes from and to, and the one across the junction.
+Links = Sequence[Sequence[tuple[str, str, str]]]
+
 
 @dataclass(frozen=True)
 class View:
@@ -83,7 +86,7 @@ class Network:
             foes=frozenset(self._foes(links)),
         )
 
-    def _foes(self, links: Sequence[Sequence[tuple[str, str, str]]]) -> Iterator[tuple[int, int]]:
+    def _foes(self, links: Links) -> Iterator[tuple[int, int]]:
         """Pairs of links of one signal whose paths cross or merge, at whatever junction of it."""
         places: dict[str, list[tuple[int, int]]] = {}
         nodes: dict[str, Any] = {}
@@ -109,6 +112,7 @@ class Network:
 
     def sight(self, signal: Signal, reach_m: float, signals: frozenset[str]) -> Sight:
         """What cameras of a reach see of a signal; `signals` are the lanes at whose end there is one."""
+        links = libsumo.trafficlight.getControlledLinks(signal.name)
         shares: dict[str, dict[int, float]] = {}
         starts: dict[str, float] = {}
         for index, movement in enumerate(signal.movements):
@@ -119,8 +123,8 @@ class Network:
         self._look_upstream(shares, starts, signals)
         return Sight(
             views=tuple(View(lane, max(starts[lane], 0.0), tuple(parts.items())) for lane, parts in shares.items()),
-            crossings=tuple(self._crossings(signal.name, signal.movements)),
-            downstream=tuple(self._downstream(signal.name, movement) for movement in signal.movements),
+            crossings=tuple(self._crossings(links, signal.movements)),
+            downstream=tuple(_downstream(links, movement) for movement in signal.movements),
         )
 
     def _look_upstream(
@@ -144,18 +148,12 @@ class Network:
                 shares[before] = parts
             ring = list(reached)
 
-    def _crossings(self, name: str, movements: Sequence[LaneGroup]) -> Iterator[Crossing]:
-        links = libsumo.trafficlight.getControlledLinks(name)
+    def _crossings(self, links: Links, movements: Sequence[LaneGroup]) -> Iterator[Crossing]:
         for index, movement in enumerate(movements):
             for link in movement.links:
                 for start, end, _ in links[link]:
                     if start in movement.lanes and self._is_walked(start):
                         yield Crossing(_edge_of(start), _edge_of(end), index)
-
-    def _downstream(self, name: str, movement: LaneGroup) -> tuple[str, ...]:
-        links = libsumo.trafficlight.getControlledLinks(name)
-        ends = {end for link in movement.links for start, end, _ in links[link] if start in movement.lanes}
-        return tuple(sorted(ends))
 
     def _length(self, lane: str) -> float:
         length: float = self.net.getLane(lane).getLength()
@@ -164,6 +162,11 @@ class Network:
     def _is_walked(self, lane: str) -> bool:
         function = self.net.getLane(lane).getEdge().getFunction()
         return function in ("walkingarea", "crossing")
+
+
+def _downstream(links: Links, movement: LaneGroup) -> tuple[str, ...]:
+    ends = {end for link in movement.links for start, end, _ in links[link] if start in movement.lanes}
+    return tuple(sorted(ends))
 
 
 def _edge_of(lane: str) -> str:
