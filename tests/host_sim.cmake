@@ -55,4 +55,5 @@ elmopp_add_python_test(NAME claims_golden_is_up_to_date
 
 if(depends_on_no_build)
     elmopp_add_python_test(NAME test_plot COMMAND -m pytest -q tests/python/test_plot.py LABELS unit TIMEOUT 300)
+    elmopp_add_python_test(NAME test_report COMMAND -m pytest -q tests/python/test_report.py LABELS unit web)
 endif()

@@ -10,7 +10,6 @@ import io
 import math
 import textwrap
 
-import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -22,7 +21,7 @@ from matplotlib.transforms import ScaledTranslation, Transform
 
 from elmopp_tools.plot_figures import LINES_MAX_N, Figure, Line, Panel
 from elmopp_tools.plot_labels import POINTS_PER_INCH, Margin, Range, draw_labels
-from elmopp_tools.plot_look import DASHED, NO_LINE, QUIET, SETTINGS, SOLID, Look, looks_of
+from elmopp_tools.plot_look import DASHED, NO_LINE, QUIET, SOLID, Look, looks_of, our_settings
 
 PNG_DPI = 150
 
@@ -45,9 +44,7 @@ Array = npt.NDArray[np.float64]
 
 def draw_figure(figure: Figure) -> dict[str, bytes]:
     """The files of a figure by suffix; the same figure gives the same bytes, whatever settings the user has."""
-    with mpl.rc_context():
-        mpl.rcdefaults()
-        mpl.rcParams.update(SETTINGS)
+    with our_settings():
         sheet = _sheet(figure)
         return {
             "png": _bytes(sheet, "png", {"Software": None}),

@@ -156,7 +156,7 @@ def _without_twins(rows: list[Row]) -> list[Row]:
 def _panel(kind: Kind, profile: str, rows: list[Row]) -> Panel:
     is_figure = profile == "figure"
     return Panel(
-        title=TITLES[profile],
+        title=TITLES.get(profile, f"Profile {profile}"),
         x_label=FIGURE_X_LABEL if is_figure else X_LABEL,
         y_label=FIGURE_Y_LABEL if is_figure else f"{kind.title.split(' that ')[0].lower()}, {kind.unit}",
         log_ratio=kind.log_ratio,

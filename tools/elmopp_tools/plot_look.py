@@ -3,10 +3,12 @@
 
 """How lines look in the figures: always the same for the same chooser, and told apart by colour-blind readers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+import matplotlib as mpl
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
@@ -55,6 +57,15 @@ SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "elmopp",
 }
+
+
+@contextmanager
+def our_settings() -> Iterator[None]:
+    """Within it matplotlib draws by SETTINGS, whatever settings the user has."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(SETTINGS)
+        yield
 
 
 @dataclass(frozen=True)

@@ -14,15 +14,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from scipy import stats
-
 from elmopp_tools.outputs import write
+from elmopp_tools.paired import paired
 from elmopp_tools.sumo_report import table
 from elmopp_tools.tables import label_of
 
 OURS = ("naive", "cumulative", "pressure", "priced", "rollout")
-CONFIDENCE = 0.95
-PAIRS_MIN = 2
 
 
 class CompareError(Exception):
@@ -48,7 +45,7 @@ class Cell:
 
 def compare(runs: Path, folder: Path, ours: Sequence[str]) -> None:
     """Writes best_rivals.csv, comparison.csv and standings.csv into a folder, and prints all three."""
-    cells = _cells(runs)
+    cells = read_cells(runs)
     best = {cell.scenario: cell for cell in _best_rivals(cells, ours)}
     rivals = [_rival_row(cell) for cell in best.values()]
     _write(folder / "best_rivals.csv", rivals)
@@ -63,7 +60,8 @@ def compare(runs: Path, folder: Path, ours: Sequence[str]) -> None:
         _print(printed)
 
 
-def _cells(runs: Path) -> list[Cell]:
+def read_cells(runs: Path) -> list[Cell]:
+    """The runs of runs.csv by scenario and controller, in the order of the file."""
     grouped: dict[tuple[str, str], list[dict[str, str]]] = {}
     with runs.open(encoding="utf-8", newline="") as file:
         for run in csv.DictReader(file):
@@ -107,14 +105,11 @@ def _rival_row(cell: Cell) -> dict[str, str]:
 
 def _row(cell: Cell, rival: Cell) -> dict[str, str]:
     seeds = sorted(cell.delay_s.keys() & rival.delay_s.keys())
-    if len(seeds) < PAIRS_MIN:
+    pair = paired([cell.delay_s[seed] for seed in seeds], [rival.delay_s[seed] for seed in seeds])
+    if pair is None:
         raise CompareError(
-            f"{cell.name} and {rival.name} share {len(seeds)} seeds in {cell.scenario} ; at least {PAIRS_MIN}"
+            f"{cell.name} and {rival.name} share {len(seeds)} seeds in {cell.scenario} ; right would be two at least"
         )
-    differences = [cell.delay_s[seed] - rival.delay_s[seed] for seed in seeds]
-    mean = sum(differences) / len(seeds)
-    spread = math.sqrt(sum((value - mean) ** 2 for value in differences) / (len(seeds) - 1) / len(seeds))
-    half = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, len(seeds) - 1)) * spread
     return {
         "scenario": cell.scenario,
         "chooser": cell.name,
@@ -123,9 +118,9 @@ def _row(cell: Cell, rival: Cell) -> dict[str, str]:
         "delay_s": f"{cell.mean_s:.2f}",
         "rival_delay_s": f"{rival.mean_s:.2f}",
         "ratio": f"{cell.mean_s / rival.mean_s:.4f}",
-        "difference_s": f"{mean:.2f}",
-        "ci_low_s": f"{mean - half:.2f}",
-        "ci_high_s": f"{mean + half:.2f}",
+        "difference_s": f"{pair.mean:.2f}",
+        "ci_low_s": f"{pair.low:.2f}",
+        "ci_high_s": f"{pair.high:.2f}",
         "not_inserted": f"{cell.not_inserted}",
         "rival_not_inserted": f"{rival.not_inserted}",
         "teleports": f"{cell.teleports}",
