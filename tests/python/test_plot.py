@@ -86,14 +86,27 @@ def png_chunks(data: bytes) -> dict[bytes, bytes]:
     return chunks
 
 
-@pytest.fixture
-def results(tmp_path: Path) -> Path:
-    folder = tmp_path / "results"
+def write_results(folder: Path) -> None:
+    """About what a whole experiment writes."""
     folder.mkdir()
     write_rows(folder / "trials.csv", made_up_rows(["paper", "saturation"]))
     beside = made_up_rows(["figure"], ["naive", "cumulative:ar8", "itlc", "oaf"])
     beside += made_up_rows(["paper", "saturation"], ["itlc@ready=60"]) + made_up_rows(["literal"], ["naive"])
     write_rows(folder / "beside.csv", beside)
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    write_results(tmp_path / "results")
+    return tmp_path / "results"
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The figures of such results beside them, for the tests that only look."""
+    folder = tmp_path_factory.mktemp("drawn") / "results"
+    write_results(folder)
+    assert main(["--results", str(folder)]) == 0
     return folder
 
 
@@ -124,21 +137,19 @@ def test_three_figures_beside_the_rows(results: Path, capsys: pytest.CaptureFixt
     assert capsys.readouterr() == ("", "")
 
 
-def test_png_has_150_dpi_and_names_no_software(results: Path) -> None:
-    main(["--results", str(results)])
+def test_png_has_150_dpi_and_names_no_software(drawn: Path) -> None:
     for name in NAMES:
-        chunks = png_chunks((results / f"{name}.png").read_bytes())
+        chunks = png_chunks((drawn / f"{name}.png").read_bytes())
         assert chunks[b"pHYs"] == (5906).to_bytes(4, "big") * 2 + b"\x01"
         assert b"tEXt" not in chunks
 
 
-def test_svg_is_xml_with_a_title_and_no_date(results: Path) -> None:
-    main(["--results", str(results)])
+def test_svg_is_xml_with_a_title_and_no_date(drawn: Path) -> None:
     for name in NAMES:
-        text = (results / f"{name}.svg").read_text(encoding="utf-8")
+        text = (drawn / f"{name}.svg").read_text(encoding="utf-8")
         assert ET.fromstring(text).find("{http://www.w3.org/2000/svg}title") is not None  # noqa: S314
         assert "dc:date" not in text
-        assert str(results) not in text
+        assert str(drawn) not in text
 
 
 def test_second_run_gives_the_same_bytes(results: Path, tmp_path: Path) -> None:
@@ -169,16 +180,15 @@ def test_out_is_made_and_results_stay_as_they_are(results: Path, tmp_path: Path)
     assert {path.name for path in results.iterdir()} == {"trials.csv", "beside.csv"}
 
 
-def test_printed_curves_are_told_from_ours(results: Path) -> None:
-    main(["--results", str(results)])
-    texts = texts_of(results / "throughput.svg")
+def test_printed_curves_are_told_from_ours(drawn: Path) -> None:
+    texts = texts_of(drawn / "throughput.svg")
     for name in ("ELMOPP", "ITLC", "OAF"):
         assert texts.count(f"{name}, printed") == 2  # panels paper and figure
     assert "printed in the paper" in texts
     assert "ours, mean of 3 trials" in texts
     assert "95 % interval of the mean" in texts
     for name in ("delay", "longest_red"):
-        assert not any("printed" in text for text in texts_of(results / f"{name}.svg"))
+        assert not any("printed" in text for text in texts_of(drawn / f"{name}.svg"))
 
 
 def test_printed_curves_have_the_printed_values() -> None:
@@ -190,17 +200,16 @@ def test_printed_curves_have_the_printed_values() -> None:
     ]
 
 
-def test_panels_and_units(results: Path) -> None:
-    main(["--results", str(results)])
-    texts = texts_of(results / "throughput.svg")
+def test_panels_and_units(drawn: Path) -> None:
+    texts = texts_of(drawn / "throughput.svg")
     titles = [text for text in texts if text.startswith("Profile ")]
     assert [title.split(":")[0] for title in titles] == ["Profile paper", "Profile saturation", "Profile figure"]
     assert texts.count("vehicles per approach, N") == 2
     assert texts.count("vehicles on all approaches together, N") == 1
     assert any("figure_throughput" in text for text in texts)
     assert texts.count("throughput, vehicles/s") == 2
-    assert texts_of(results / "delay.svg").count("mean delay, seconds per vehicle") == 2
-    assert texts_of(results / "longest_red.svg").count("longest red, seconds") == 2
+    assert texts_of(drawn / "delay.svg").count("mean delay, seconds per vehicle") == 2
+    assert texts_of(drawn / "longest_red.svg").count("longest red, seconds") == 2
 
 
 def test_figure_panel_shows_its_own_metric(results: Path) -> None:
@@ -209,10 +218,9 @@ def test_figure_panel_shows_its_own_metric(results: Path) -> None:
     assert panel.lines[0].points[0].mean == pytest.approx(row.metrics["figure_throughput_veh_per_s"], rel=0.02)
 
 
-def test_literal_is_left_out(results: Path) -> None:
-    main(["--results", str(results)])
+def test_literal_is_left_out(drawn: Path) -> None:
     for name in NAMES:
-        assert not any("literal" in text for text in texts_of(results / f"{name}.svg"))
+        assert not any("literal" in text for text in texts_of(drawn / f"{name}.svg"))
 
 
 @pytest.mark.parametrize(
@@ -234,9 +242,8 @@ def test_choosers_with_options_in_the_table_are_all_drawn(tmp_path: Path) -> Non
     assert names == {"itlc@ready=60", "itlc@ready=20"}
 
 
-def test_coinciding_forecasts_are_named_but_not_drawn(results: Path) -> None:
-    main(["--results", str(results)])
-    texts = texts_of(results / "delay.svg")
+def test_coinciding_forecasts_are_named_but_not_drawn(drawn: Path) -> None:
+    texts = texts_of(drawn / "delay.svg")
     assert "Not drawn: cumulative:mean." in texts
     assert "cumulative:mean" not in texts
     assert {"naive", "cumulative", "cumulative:ar8", "cumulative:oracle", "pressure", "itlc"} <= set(texts)

@@ -37,6 +37,8 @@ FOOT = 0.3
 FOOT_LINE = 0.16
 NOTE_WIDTH = 110  # characters
 
+LOG_TICKS_MAX = 10  # of those that are powers of ten
+
 SHIFT_STEP = 16.0  # points between dots that stand side by side
 
 Array = npt.NDArray[np.float64]
@@ -176,7 +178,8 @@ def _set_y(axes: Axes, scale: Range) -> None:
 def _log_ticks(scale: Range) -> list[float]:
     decades = range(math.floor(math.log10(scale.low)), math.ceil(math.log10(scale.high)) + 1)
     steps = (1, 2, 5) if len(decades) <= 5 else (1,)
-    ticks = [step * 10.0**decade for decade in decades for step in steps]
+    every = math.ceil(len(decades) / LOG_TICKS_MAX)
+    ticks = [step * 10.0**decade for decade in decades[::every] for step in steps]
     return [tick for tick in ticks if scale.low <= tick <= scale.high]
 
 
