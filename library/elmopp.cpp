@@ -16,15 +16,20 @@
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
-#include <vector>
+
+namespace elmopp {
+/// Vehicles beyond the junction, a value a movement.
+using Downstream = std::array<float, ELMOPP_MOVEMENT_MAX>;
+} // namespace elmopp
 
 /// One junction. Not movable: pilot and chooser point into it.
 struct elmopp_handle {
     elmopp_junction_t junction{};
     elmopp_weights_t weights{};
     std::array<elmopp_ar8_t, ELMOPP_APPROACH_MAX> ar8{};
-    std::array<float, ELMOPP_MOVEMENT_MAX> downstream_veh{};
+    elmopp::Downstream downstream_veh{};
     std::unique_ptr<elmopp::Plugged> plugged;
     elmopp_pilot_t pilot{};
     elmopp_monitor_t monitor{};
@@ -33,17 +38,25 @@ struct elmopp_handle {
 namespace elmopp {
 namespace {
 
-/// A caller's struct in our size: what an older caller does not know is zero. `needed`: members without which nothing
-/// can be done.
-template <typename Struct> Struct in_our_size(const Struct *given, std::size_t needed, const char *name) {
-    if (given == nullptr || given->size < needed || given->size > sizeof(Struct)) {
-        throw BadRequest(std::string(name) + ".size is " +
-                         (given == nullptr ? "missing" : std::to_string(given->size)) + "; right would be " +
-                         std::to_string(sizeof(Struct)) + ", the size of the struct in this library");
-    }
+/// A caller's struct of a size that it may have. `needed`: members without which nothing can be done.
+template <typename Struct> bool is_of_known_size(const Struct *given, std::size_t needed) {
+    return given != nullptr && given->size >= needed && given->size <= sizeof(Struct);
+}
+
+/// The same in our size: what an older caller does not know is zero.
+template <typename Struct> Struct in_our_size(const Struct &given) {
     Struct ours{};
-    std::memcpy(&ours, given, given->size);
+    std::memcpy(&ours, &given, given.size);
     return ours;
+}
+
+elmopp_options_t known_options(const elmopp_options_t *given) {
+    if (!is_of_known_size(given, offsetof(elmopp_options_t, chooser))) {
+        throw BadRequest(std::string("options.size is ") +
+                         (given == nullptr ? "missing" : std::to_string(given->size)) + "; right would be " +
+                         std::to_string(sizeof *given) + ", the size of the struct in this library");
+    }
+    return in_our_size(*given);
 }
 
 std::uint16_t groups_that_exist(const elmopp_handle &self) {
@@ -97,6 +110,16 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     return self;
 }
 
+/// What a second says of the roads beyond, zeros if it says nothing; nothing if a value is no count.
+std::optional<Downstream> downstream_of(const elmopp_handle &self, const elmopp_second_t &second) {
+    Downstream values_veh{};
+    if (second.downstream_veh != nullptr) {
+        std::copy_n(second.downstream_veh, self.junction.movement_count, values_veh.begin());
+    }
+    const bool good = std::all_of(values_veh.begin(), values_veh.end(), elmopp_pilot_is_count);
+    return good ? std::optional(values_veh) : std::nullopt;
+}
+
 std::int32_t stage_or_none(const elmopp_handle &self, elmopp_stage_t stage) {
     return stage < self.junction.stage_count ? static_cast<std::int32_t>(stage) : ELMOPP_NO_STAGE;
 }
@@ -118,8 +141,7 @@ std::uint32_t elmopp_abi_version(void) {
 elmopp_t *elmopp_open(const elmopp_options_t *options, char *message, std::uint32_t message_bytes) {
     std::string wrong;
     try {
-        constexpr std::size_t needed = offsetof(elmopp_options_t, chooser);
-        return elmopp::open(elmopp::in_our_size(options, needed, "options")).release();
+        return elmopp::open(elmopp::known_options(options)).release();
     } catch (const std::exception &error) {
         wrong = error.what();
     }
@@ -134,7 +156,7 @@ void elmopp_close(elmopp_t *self) {
 }
 
 int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out) {
-    if (out->size < sizeof out->size || out->size > sizeof(elmopp_shape_t)) {
+    if (!elmopp::is_of_known_size(out, sizeof out->size)) {
         return ELMOPP_REFUSED;
     }
     const elmopp_shape_t shape{out->size, self->junction.approach_count, self->junction.movement_count,
@@ -144,18 +166,18 @@ int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out) {
 }
 
 int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
-    constexpr std::size_t needed = offsetof(elmopp_second_t, downstream_veh);
-    if (second == nullptr || second->size < needed || second->size > sizeof(elmopp_second_t) ||
+    if (!elmopp::is_of_known_size(second, offsetof(elmopp_second_t, downstream_veh)) ||
         second->present_veh == nullptr || second->arrived_veh == nullptr) {
         return ELMOPP_REFUSED;
     }
-    elmopp_second_t ours{};
-    std::memcpy(&ours, second, second->size);
-    if (ours.downstream_veh != nullptr) {
-        std::copy_n(ours.downstream_veh, self->junction.movement_count, self->downstream_veh.begin());
-    } else {
-        self->downstream_veh.fill(0.0F);
+    const elmopp_second_t ours = elmopp::in_our_size(*second);
+    const auto downstream_veh = elmopp::downstream_of(*self, ours);
+    if (!downstream_veh) {
+        elmopp_pilot_step_blind(&self->pilot);
+        return ELMOPP_REFUSED;
     }
+    // Only the chooser reads them, and the pilot asks it only in a second that it believes: none reads a refused one's.
+    self->downstream_veh = *downstream_veh;
     const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall};
     return elmopp_pilot_step(&self->pilot, &counts, nullptr) ? ELMOPP_DONE : ELMOPP_REFUSED;
 }

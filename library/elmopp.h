@@ -40,7 +40,7 @@ uint32_t elmopp_abi_version(void);
 /// What a call answers.
 enum {
     ELMOPP_DONE = 0,
-    ELMOPP_REFUSED = 1, ///< the arguments are wrong: nothing has changed
+    ELMOPP_REFUSED = 1, ///< the arguments are wrong: nothing has changed; elmopp_count() says more
     ELMOPP_FAULT = 2    ///< the conflict monitor has found a fault; it stays, see elmopp_fault()
 };
 
@@ -87,8 +87,8 @@ void elmopp_close(elmopp_t *self);
 /// Fills `out` as far as its size says; ELMOPP_REFUSED for a size that it never had.
 int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out);
 
-/// Takes a second's counts and asks the chooser. ELMOPP_REFUSED for a count that is negative, not finite or beyond a
-/// million: nothing is learnt, the wish stays, and everybody on red counts as waiting.
+/// Takes a second's counts and asks the chooser. ELMOPP_REFUSED for a count of any of the three arrays that is
+/// negative, not finite or beyond a million: nothing is learnt, the wish stays, and everybody on red counts as waiting.
 int elmopp_count(elmopp_t *self, const elmopp_second_t *second);
 
 /// Moves the lamps by 100 ms and writes what they show, one digit a group: 0 dark, 1 red, 2 red-amber, 3 green, 4

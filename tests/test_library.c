@@ -29,6 +29,7 @@ static char message[ELMOPP_MESSAGE_BYTES];
 static char aspects[ELMOPP_ASPECT_BYTES];
 static float present_veh[ELMOPP_MOVEMENT_MAX];
 static float arrived_veh[ELMOPP_MOVEMENT_MAX];
+static float downstream_veh[ELMOPP_MOVEMENT_MAX];
 static elmopp_options_t options;
 static elmopp_second_t second;
 static elmopp_t *junction;
@@ -36,6 +37,7 @@ static elmopp_t *junction;
 void setUp(void) {
     memset(present_veh, 0, sizeof present_veh);
     memset(arrived_veh, 0, sizeof arrived_veh);
+    memset(downstream_veh, 0, sizeof downstream_veh);
     memset(message, 0, sizeof message);
     second = (elmopp_second_t){.size = sizeof second, .present_veh = present_veh, .arrived_veh = arrived_veh};
     junction = NULL;
@@ -165,17 +167,80 @@ static void test_a_wish_overrules_the_chooser_and_nothing_else(void) {
 static void test_counts_that_are_none_are_refused(void) {
     open_site(test_sites[0], NULL);
     const float bad[] = {-1.0F, (float)NAN, (float)INFINITY, 1.1e6F};
+    float *const places[] = {&present_veh[1], &arrived_veh[0], &downstream_veh[0],
+                             &downstream_veh[test_sites[0]->movement_count - 1U]};
+    second.downstream_veh = downstream_veh;
     for (uint32_t i = 0U; i < sizeof bad / sizeof bad[0]; i++) {
-        present_veh[1] = bad[i];
-        TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
-        present_veh[1] = 0.0F;
-        arrived_veh[0] = bad[i];
-        TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
-        arrived_veh[0] = 0.0F;
+        for (uint32_t k = 0U; k < sizeof places / sizeof places[0]; k++) {
+            *places[k] = bad[i];
+            TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+            *places[k] = 0.0F;
+        }
     }
+    downstream_veh[ELMOPP_MOVEMENT_MAX - 1U] = (float)NAN; /* beyond the movements: not read */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
     second.present_veh = NULL;
     TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
     TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, NULL));
+}
+
+/* One good second after another, with a refused one before each: what was refused must not show in any wish. */
+static void test_a_refused_second_leaves_no_trace(void) {
+    for (uint32_t refused = 0U; refused < 2U; refused++) {
+        open_site(test_sites[0], "max-pressure");
+        elmopp_t *spared = junction;
+        junction = NULL;
+        open_site(test_sites[0], "max-pressure");
+        uint64_t seed = 1U;
+        for (uint32_t t = 0U; t < SECONDS; t++) {
+            second.downstream_veh = downstream_veh;
+            count_at_random(&seed, test_sites[0]->movement_count);
+            for (uint32_t j = 0U; j < test_sites[0]->movement_count; j++) {
+                downstream_veh[j] = 50.0F * (float)(random_next(&seed) % 2U);
+            }
+            float *const spoilt = (refused == 0U) ? &present_veh[0] : &downstream_veh[0];
+            const float right = *spoilt;
+            *spoilt = -1.0F;
+            TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+            *spoilt = right;
+            second.downstream_veh = NULL;
+            TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+            TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(spared, &second));
+            TEST_ASSERT_EQUAL_INT32(elmopp_wish(spared), elmopp_wish(junction));
+            for (uint32_t k = 0U; k < TICKS; k++) {
+                char beside[ELMOPP_ASPECT_BYTES];
+                TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, ELMOPP_NO_STAGE, aspects));
+                TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(spared, ELMOPP_NO_STAGE, beside));
+                TEST_ASSERT_EQUAL_STRING(beside, aspects);
+            }
+        }
+        elmopp_close(spared);
+    }
+}
+
+/* The stages that are shown while the caller wants the first for ever. */
+static uint32_t shown_against_a_wish(int count_answers) {
+    uint32_t shown = 0U;
+    for (uint32_t t = 0U; t < SECONDS; t++) {
+        TEST_ASSERT_EQUAL_INT(count_answers, elmopp_count(junction, &second));
+        for (uint32_t k = 0U; k < TICKS; k++) {
+            TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, 0, aspects));
+        }
+        const int32_t stage = elmopp_stage(junction);
+        shown |= (stage == ELMOPP_NO_STAGE) ? 0U : (uint32_t)1U << (uint32_t)stage;
+    }
+    return shown;
+}
+
+/* Where nobody is, a green may last; where nobody can say who is there, maximum greens and the bound on red hold. */
+static void test_refused_seconds_keep_the_stages_turning(void) {
+    second.downstream_veh = downstream_veh;
+    open_site(&elmopp_site_four_way, "naive");
+    TEST_ASSERT_EQUAL_HEX32(0x1U, shown_against_a_wish(ELMOPP_DONE));
+    downstream_veh[0] = (float)NAN;
+    open_site(&elmopp_site_four_way, "naive");
+    const uint32_t others = shown_against_a_wish(ELMOPP_REFUSED) & ~(uint32_t)1U;
+    TEST_ASSERT_TRUE(others != 0U);
 }
 
 static void test_structs_of_another_size(void) {
@@ -192,6 +257,7 @@ static void test_structs_of_another_size(void) {
     TEST_ASSERT_EQUAL_UINT32(99U, shape.movements);
     shape.size = 0U;
     TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_shape(junction, &shape));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_shape(junction, NULL));
     name_site(test_sites[0]);
     options.size = sizeof options + 8U;
     expect_refused("options.size is");
@@ -245,6 +311,8 @@ int main(void) {
     RUN_TEST(test_its_lamps_are_the_pilots);
     RUN_TEST(test_a_wish_overrules_the_chooser_and_nothing_else);
     RUN_TEST(test_counts_that_are_none_are_refused);
+    RUN_TEST(test_a_refused_second_leaves_no_trace);
+    RUN_TEST(test_refused_seconds_keep_the_stages_turning);
     RUN_TEST(test_structs_of_another_size);
     RUN_TEST(test_what_cannot_be_opened_says_why);
     RUN_TEST(test_handles_are_independent);

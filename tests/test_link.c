@@ -194,6 +194,36 @@ static void test_the_age_counts_ticks_and_saturates(void) {
     TEST_ASSERT_FALSE(elmopp_link_fresh(&link, UINT16_MAX));
 }
 
+/* --- a frame by itself --- */
+
+static void test_whole_is_what_the_first_frame_of_a_link_is_believed_for(void) {
+    for (uint32_t i = 0U; i < IDS; i++) {
+        for (uint32_t counter = 0U; counter < COUNTERS; counter++) {
+            elmopp_frame_t frame = frame_of(ids[i], 0x123456789ABCU, (uint8_t)counter);
+            const bool right = counter < ELMOPP_LINK_COUNTERS;
+            TEST_ASSERT_EQUAL(right, elmopp_link_is_whole(&frame));
+            setUp();
+            TEST_ASSERT_EQUAL(right, take(&frame, frame.id) == ELMOPP_LINK_OK);
+            frame.id = ids[(i + 1U) % IDS];
+            TEST_ASSERT_FALSE(elmopp_link_is_whole(&frame));
+        }
+    }
+}
+
+static void test_a_frame_that_was_shortened_or_changed_is_not_whole(void) {
+    const elmopp_frame_t good = frame_of(0x080U, 0x123456789ABCU, 3U);
+    for (uint32_t length = 0U; length < 256U; length++) {
+        elmopp_frame_t frame = good;
+        frame.length = (uint8_t)length;
+        TEST_ASSERT_EQUAL(length == 8U, elmopp_link_is_whole(&frame));
+    }
+    for (uint32_t bit = 0U; bit < FRAME_BITS; bit++) {
+        elmopp_frame_t frame = good;
+        flip(&frame, bit);
+        TEST_ASSERT_FALSE(elmopp_link_is_whole(&frame));
+    }
+}
+
 /* --- words --- */
 
 static void test_lamps_and_aspects_are_the_same_thing_for_every_group(void) {
@@ -254,6 +284,8 @@ int main(void) {
     RUN_TEST(test_a_new_link_has_heard_nothing);
     RUN_TEST(test_every_counter_after_every_other_at_every_age);
     RUN_TEST(test_the_age_counts_ticks_and_saturates);
+    RUN_TEST(test_whole_is_what_the_first_frame_of_a_link_is_believed_for);
+    RUN_TEST(test_a_frame_that_was_shortened_or_changed_is_not_whole);
     RUN_TEST(test_lamps_and_aspects_are_the_same_thing_for_every_group);
     RUN_TEST(test_seven_of_sixteen_combinations_of_lamps_are_aspects);
     RUN_TEST(test_every_fault_has_a_name_of_its_own);

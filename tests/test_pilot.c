@@ -376,6 +376,16 @@ static void test_bad_counts_are_refused_and_change_nothing(void) {
     TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.green);
 }
 
+static void test_a_blind_second_is_a_refused_one(void) {
+    start_with(ELMOPP_FORECAST_EWMA, 60U);
+    seconds(3U, 1U);
+    elmopp_pilot_t refused = pilot;
+    present_veh[0] = -1.0F;
+    TEST_ASSERT_FALSE(elmopp_pilot_step(&refused, &counts, NULL));
+    elmopp_pilot_step_blind(&pilot);
+    TEST_ASSERT_EQUAL_MEMORY(&refused, &pilot, sizeof pilot);
+}
+
 static void test_after_a_refusal_the_wish_stays_as_it_is(void) {
     seconds(10U, 0U);
     script.answer = 1U;
@@ -707,6 +717,7 @@ int main(void) {
     RUN_TEST(test_when_blind_every_movement_on_red_waits);
     RUN_TEST(test_a_forced_stage_outlives_the_wish_from_before);
     RUN_TEST(test_bad_counts_are_refused_and_change_nothing);
+    RUN_TEST(test_a_blind_second_is_a_refused_one);
     RUN_TEST(test_after_a_refusal_the_wish_stays_as_it_is);
     RUN_TEST(test_counts_of_zero_and_a_million_are_taken);
     RUN_TEST(test_counts_beyond_the_movements_are_not_read);

@@ -212,11 +212,9 @@ static bool take_command(elmopp_controller_t *self, const elmopp_frame_t *frame)
 
 /* The controller's own words from somebody else, whole and made for this bus. What counter they carry is no matter. */
 static bool is_second_controller(const elmopp_frame_t *frame) {
-    elmopp_link_t nobody;
-    elmopp_link_init(&nobody);
     const bool own =
         (frame->id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID) || (frame->id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID);
-    return own && (elmopp_link_take(&nobody, frame, frame->id, 0U) == ELMOPP_LINK_OK);
+    return own && elmopp_link_is_whole(frame);
 }
 
 bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *frame) {

@@ -55,13 +55,34 @@ bool elmopp_link_fresh(const elmopp_link_t *self, uint16_t timeout_ds) {
     return self->started && (self->age_ds < timeout_ds);
 }
 
-/* The counter of a frame whose bytes are right. */
-static elmopp_link_verdict_t judge_counter(const elmopp_link_t *self, uint8_t counter, uint16_t timeout_ds) {
+static uint8_t counter_of(const elmopp_frame_t *frame) {
+    return frame->data[0] & COUNTER_MASK;
+}
+
+/* A frame by itself. */
+static elmopp_link_verdict_t judge_frame(const elmopp_frame_t *frame) {
+    elmopp_link_verdict_t verdict = ELMOPP_LINK_OK;
+    if (frame->length != ELMOPP_LINK_BYTES) {
+        verdict = ELMOPP_LINK_LENGTH;
+    } else if (elmopp_link_crc(frame->id, frame->data) != frame->data[CRC_BYTE]) {
+        verdict = ELMOPP_LINK_CRC;
+    } else if (counter_of(frame) >= ELMOPP_LINK_COUNTERS) {
+        verdict = ELMOPP_LINK_COUNTER;
+    } else {
+        /* whole */
+    }
+    return verdict;
+}
+
+bool elmopp_link_is_whole(const elmopp_frame_t *frame) {
+    return judge_frame(frame) == ELMOPP_LINK_OK;
+}
+
+/* The counter of a whole frame, after the last believed one's. */
+static elmopp_link_verdict_t judge_order(const elmopp_link_t *self, uint8_t counter, uint16_t timeout_ds) {
     const uint32_t ahead = ((uint32_t)counter + ELMOPP_LINK_COUNTERS - self->counter) % ELMOPP_LINK_COUNTERS;
     elmopp_link_verdict_t verdict = ELMOPP_LINK_OK;
-    if (counter >= ELMOPP_LINK_COUNTERS) {
-        verdict = ELMOPP_LINK_COUNTER;
-    } else if (!elmopp_link_fresh(self, timeout_ds)) {
+    if (!elmopp_link_fresh(self, timeout_ds)) {
         verdict = ELMOPP_LINK_OK;
     } else if (ahead == 0U) {
         verdict = ELMOPP_LINK_REPEATED;
@@ -75,16 +96,10 @@ static elmopp_link_verdict_t judge_counter(const elmopp_link_t *self, uint8_t co
 
 elmopp_link_verdict_t elmopp_link_take(elmopp_link_t *self, const elmopp_frame_t *frame, uint16_t id,
                                        uint16_t timeout_ds) {
-    const uint8_t counter = frame->data[0] & COUNTER_MASK;
-    elmopp_link_verdict_t verdict = ELMOPP_LINK_OK;
-    if (frame->id != id) {
-        verdict = ELMOPP_LINK_FOREIGN;
-    } else if (frame->length != ELMOPP_LINK_BYTES) {
-        verdict = ELMOPP_LINK_LENGTH;
-    } else if (elmopp_link_crc(id, frame->data) != frame->data[CRC_BYTE]) {
-        verdict = ELMOPP_LINK_CRC;
-    } else {
-        verdict = judge_counter(self, counter, timeout_ds);
+    const uint8_t counter = counter_of(frame);
+    elmopp_link_verdict_t verdict = (frame->id == id) ? judge_frame(frame) : ELMOPP_LINK_FOREIGN;
+    if (verdict == ELMOPP_LINK_OK) {
+        verdict = judge_order(self, counter, timeout_ds);
     }
     if (verdict == ELMOPP_LINK_OK) {
         self->counter = counter;

@@ -38,14 +38,14 @@ void elmopp_pilot_absorb(elmopp_pilot_t *self, const float *arrived_veh) {
 }
 
 /* False for a NaN too. */
-static bool is_count(float value_veh) {
+bool elmopp_pilot_is_count(float value_veh) {
     return (value_veh >= 0.0F) && (value_veh <= COUNT_MAX_VEH);
 }
 
 static bool are_counts(const elmopp_pilot_t *self, const elmopp_counts_t *counts) {
     bool good = true;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        good = good && is_count(counts->present_veh[j]) && is_count(counts->arrived_veh[j]);
+        good = good && elmopp_pilot_is_count(counts->present_veh[j]) && elmopp_pilot_is_count(counts->arrived_veh[j]);
     }
     return good;
 }
@@ -113,10 +113,13 @@ static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, 
     }
 }
 
+void elmopp_pilot_step_blind(elmopp_pilot_t *self) {
+    self->waiting = ALL_MOVEMENTS & ~self->going;
+}
+
 bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, const elmopp_foreseen_t *foreseen) {
     if (!are_counts(self, counts)) {
-        /* Blind: somebody may wait everywhere, so that the maximum greens at least keep the stages turning. */
-        self->waiting = ALL_MOVEMENTS & ~self->going;
+        elmopp_pilot_step_blind(self);
         return false;
     }
     elmopp_forecast_observe(&self->forecast, counts->arrived_veh);

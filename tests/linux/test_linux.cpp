@@ -4,6 +4,7 @@
 // What the port to Linux decides without a socket: what somebody who looks on is told, and what a node breaks.
 
 #include "breakage.hpp"
+#include "can_socket.hpp"
 #include "error.hpp"
 #include "junction_view.hpp"
 
@@ -135,6 +136,42 @@ void refuse(const char *text) {
     TEST_FAIL_MESSAGE(text);
 }
 
+/// A bus on which so many frames have come, their ids in order.
+struct Came {
+    unsigned left;
+    std::uint16_t next = 0;
+
+    std::optional<elmopp_frame_t> receive() {
+        if (left == 0) {
+            return std::nullopt;
+        }
+        --left;
+        return elmopp_frame_t{next++, 8, {}};
+    }
+};
+
+void expect_taken(Came &bus, unsigned expected) {
+    std::uint16_t wanted = bus.next;
+    unsigned taken = 0;
+    elmopp::take_what_came(bus, [&](const elmopp_frame_t &frame) {
+        TEST_ASSERT_EQUAL_UINT16(wanted++, frame.id);
+        ++taken;
+    });
+    TEST_ASSERT_EQUAL_UINT(expected, taken);
+}
+
+void test_a_flood_is_taken_in_pieces_and_in_order() {
+    Came quiet{0};
+    expect_taken(quiet, 0);
+    Came few{3};
+    expect_taken(few, 3);
+    expect_taken(few, 0);
+    Came flood{64 + 64 + 1};
+    expect_taken(flood, 64);
+    expect_taken(flood, 64);
+    expect_taken(flood, 1);
+}
+
 void test_breakages_are_read_and_others_refused() {
     const elmopp_junction_t site = three_groups();
     const Breakage stuck = elmopp::parse_breakage("stuck:2:green@1500", site);
@@ -188,6 +225,7 @@ int main() {
     RUN_TEST(test_a_running_junction_reads_as_english);
     RUN_TEST(test_what_is_wrong_is_said);
     RUN_TEST(test_spoilt_frames_are_counted_and_change_nothing);
+    RUN_TEST(test_a_flood_is_taken_in_pieces_and_in_order);
     RUN_TEST(test_breakages_are_read_and_others_refused);
     RUN_TEST(test_a_node_loses_and_delays_what_it_was_told_to);
     RUN_TEST(test_a_stuck_lamp_burns_from_its_time_on);

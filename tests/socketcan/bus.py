@@ -22,6 +22,7 @@ from typing import Self
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(os.environ["ELMOPP_PROGRAMS"])
 SITE = os.environ["ELMOPP_QUICK_SITE"]
+SLICE_MS = Path("/proc/sys/kernel/sched_rr_timeslice_ms")
 OUT = Path(os.environ["ELMOPP_SOCKETCAN_OUT"])
 
 LAMP_COMMAND, LAMP_FEEDBACK, COUNTS, STATUS, COMMAND = 0x080, 0x090, 0x100, 0x180, 0x200
@@ -148,6 +149,16 @@ def interface(name: str) -> Iterator[str]:
         subprocess.run(["ip", "link", "del", name], check=False, capture_output=True, timeout=20)
 
 
+def by_turns() -> list[str]:
+    """The words before an urgent program, of which a dozen share a processor by short turns.
+
+    The unit file's policy is fifo, for one controller on a machine: here one that starts would keep the processor for
+    longer than a lamp node waits.
+    """
+    SLICE_MS.write_text("10\n", encoding="ascii")
+    return ["chrt", "--rr", "50"]
+
+
 class Program:
     """One of our programs, and what it has said."""
 
@@ -156,9 +167,8 @@ class Program:
         self.name = name
         self.said = OUT / f"{name}-{time.monotonic_ns()}.txt"
         with self.said.open("wb") as out:
-            # The unit file's policy is fifo, for one controller on a machine. Here a dozen share a processor, and one
-            # that starts would keep it for longer than a lamp node waits. In lockstep nobody is late.
-            urgent = [] if "bus" in words or os.geteuid() != 0 else ["chrt", "--rr", "50"]
+            # In lockstep nobody is late.
+            urgent = [] if "bus" in words or os.geteuid() != 0 else by_turns()
             command = [*urgent, str(PROGRAMS / name), *words]
             self.process = subprocess.Popen(command, stdout=out, stderr=out, cwd=ROOT)
 

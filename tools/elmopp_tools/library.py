@@ -172,7 +172,8 @@ class CoreJunction:
             row[: self.shape.movements] = list(values)
         self._second.recall = recall
         if self._library.elmopp_count(self._handle, ctypes.byref(self._second)) == REFUSED:
-            raise LibraryError(f"counts {list(present_veh)}, {list(arrived_veh)} ; finite numbers from 0 to a million")
+            counts = ", ".join(str(list(row[: self.shape.movements])) for row in self._rows)
+            raise LibraryError(f"counts {counts} ; finite numbers from 0 to a million")
 
     def tick(self, wish: int = NO_STAGE) -> str:
         """Moves the lamps by 100 ms: the aspect of every group, one digit each."""

@@ -54,6 +54,10 @@ void elmopp_link_init(elmopp_link_t *self);
 elmopp_link_verdict_t elmopp_link_take(elmopp_link_t *self, const elmopp_frame_t *frame, uint16_t id,
                                        uint16_t timeout_ds);
 
+/// True if a frame is right by itself: eight bytes, the checksum of its own id, a counter that exists. For whoever
+/// looks on, to whom it is no matter in which order frames come.
+bool elmopp_link_is_whole(const elmopp_frame_t *frame);
+
 /// A lamp tick passes.
 void elmopp_link_tick(elmopp_link_t *self);
 

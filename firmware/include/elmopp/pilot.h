@@ -81,10 +81,16 @@ void elmopp_pilot_absorb(elmopp_pilot_t *self, const float *arrived_veh);
 /// All red again, every intergreen running, T at 0: after the lamps were somebody else's. The forecast is kept.
 void elmopp_pilot_restart(elmopp_pilot_t *self);
 
-/// Decides, once a second. With `foreseen` (null: none) its rows replace the forecast's. False if a count is negative
-/// or not finite: nothing is learnt, the wish stays, and every movement on red counts as waiting, so that maximum
-/// greens and the bound on red still turn the stages.
+/// Whether a number can be a count of vehicles: finite, not negative, at most a million.
+bool elmopp_pilot_is_count(float value_veh);
+
+/// Decides, once a second. With `foreseen` (null: none) its rows replace the forecast's. False if a value is no count:
+/// the second was then a blind one.
 bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, const elmopp_foreseen_t *foreseen);
+
+/// In place of a step, for a second in which nobody could count: nothing is learnt, the wish stays, and every movement
+/// on red counts as waiting, so that maximum greens and the bound on red still turn the stages.
+void elmopp_pilot_step_blind(elmopp_pilot_t *self);
 
 /// Moves the plan by one lamp tick (100 ms) and returns the lamps until the next. `wanted`: the pilot's own wish, or
 /// somebody else's (a stage, ELMOPP_STAGE_RED or ELMOPP_STAGE_NONE).

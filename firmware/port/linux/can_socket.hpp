@@ -75,4 +75,18 @@ class CanSocket {
     std::uint32_t dropped_ = 0;
 };
 
+constexpr unsigned frames_between_looks = 64; ///< a flood does not keep the lamps waiting
+
+/// Hands over what has come, to a socket or to anything else that can receive(), but only so many frames: whoever calls
+/// looks at the clock then, and comes again for the rest.
+template <typename Source, typename Take> void take_what_came(Source &source, Take take) {
+    for (unsigned k = 0; k < frames_between_looks; ++k) {
+        const std::optional<elmopp_frame_t> frame = source.receive();
+        if (!frame) {
+            return;
+        }
+        take(*frame);
+    }
+}
+
 } // namespace elmopp

@@ -40,7 +40,6 @@ namespace elmopp {
 namespace {
 
 const char *const program_name = "elmopp-controller";
-constexpr unsigned frames_between_looks = 64; ///< a flood does not keep the lamps waiting
 
 struct Request {
     std::string can;
@@ -173,17 +172,13 @@ class Program {
     }
 
     void take_frames() {
-        for (unsigned k = 0; k < frames_between_looks; ++k) {
-            const auto frame = socket_.receive();
-            if (!frame) {
-                break;
-            }
-            if (bus_clock_ && frame->id == ELMOPP_CAN_SIM_TIME_FRAME_ID) {
-                take_time(*frame);
+        take_what_came(socket_, [this](const elmopp_frame_t &frame) {
+            if (bus_clock_ && frame.id == ELMOPP_CAN_SIM_TIME_FRAME_ID) {
+                take_time(frame);
             } else {
-                (void)elmopp_controller_take(&controller(), &*frame);
+                (void)elmopp_controller_take(&controller(), &frame);
             }
-        }
+        });
     }
 
     void take_time(const elmopp_frame_t &frame) {

@@ -53,13 +53,6 @@ std::string fixed(double value) {
     return text.data();
 }
 
-/// Whole and made for its id; in which order frames came is no matter to somebody who looks on.
-bool is_whole(const elmopp_frame_t &frame) {
-    elmopp_link_t nobody;
-    elmopp_link_init(&nobody);
-    return elmopp_link_take(&nobody, &frame, frame.id, 0) == ELMOPP_LINK_OK;
-}
-
 } // namespace
 
 void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
@@ -74,7 +67,7 @@ void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
         return;
     }
     elmopp_lamps_t lamps{};
-    if (!is_whole(frame) || (command && !elmopp_frames_lamps(&frame, &lamps))) {
+    if (!elmopp_link_is_whole(&frame) || (command && !elmopp_frames_lamps(&frame, &lamps))) {
         ++spoilt_;
     } else if (command) {
         lamps_.set(lamps, now_ms);

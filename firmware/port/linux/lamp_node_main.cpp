@@ -31,7 +31,6 @@ namespace {
 
 const char *const program_name = "elmopp-lamp-node";
 constexpr std::uint32_t step_ms = 20; ///< so much later than its time-out it may flash
-constexpr unsigned frames_between_looks = 64;
 
 struct Request {
     std::string can;
@@ -60,13 +59,8 @@ class Program {
     void run() {
         while (!wakeups_.signal()) {
             wakeups_.wait(socket_.descriptor());
-            for (unsigned k = 0; k < frames_between_looks; ++k) {
-                const auto frame = socket_.receive();
-                if (!frame) {
-                    break;
-                }
-                (void)elmopp_lamp_node_take(&node_, &*frame);
-            }
+            take_what_came(socket_,
+                           [this](const elmopp_frame_t &frame) { (void)elmopp_lamp_node_take(&node_, &frame); });
             (void)wakeups_.ticks(); // taken, or the next wait would not wait
             pass(monotonic_ms());
         }

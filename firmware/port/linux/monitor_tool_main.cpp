@@ -24,7 +24,6 @@ namespace {
 
 const char *const program_name = "elmopp-monitor-tool";
 constexpr std::uint32_t redraw_ms = 500;
-constexpr unsigned frames_between_looks = 64;
 
 struct Request {
     std::string can;
@@ -45,13 +44,7 @@ void run(const Request &request) {
     const std::uint32_t begun_ms = monotonic_ms();
     while (!wakeups.signal()) {
         wakeups.wait(socket.descriptor());
-        for (unsigned k = 0; k < frames_between_looks; ++k) {
-            const auto frame = socket.receive();
-            if (!frame) {
-                break;
-            }
-            view.hear(*frame, monotonic_ms());
-        }
+        take_what_came(socket, [&view](const elmopp_frame_t &frame) { view.hear(frame, monotonic_ms()); });
         const bool due = wakeups.ticks() > 0;
         const bool last = request.once && monotonic_ms() - begun_ms >= look_ms;
         if (last || (due && !request.once)) {
