@@ -28,6 +28,7 @@ struct elmopp_handle {
     std::unique_ptr<elmopp::Plugged> plugged;
     elmopp_pilot_t pilot{};
     elmopp_monitor_t monitor{};
+    bool occupied = false;
 };
 
 namespace elmopp {
@@ -156,6 +157,7 @@ int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
     } else {
         self->downstream_veh.fill(0.0F);
     }
+    self->occupied = ours.occupied != 0;
     const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall};
     return elmopp_pilot_step(&self->pilot, &counts, nullptr) ? ELMOPP_DONE : ELMOPP_REFUSED;
 }
@@ -166,7 +168,7 @@ int elmopp_tick(elmopp_t *self, std::int32_t wish, char aspects[ELMOPP_ASPECT_BY
         return ELMOPP_REFUSED;
     }
     const elmopp_stage_t wanted = exists ? static_cast<elmopp_stage_t>(wish) : self->pilot.wanted;
-    const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted);
+    const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted, self->occupied);
     elmopp::write_aspects(elmopp::judged(*self, lamps), aspects);
     return self->monitor.first == ELMOPP_FAULT_NONE ? ELMOPP_DONE : ELMOPP_FAULT;
 }

@@ -20,7 +20,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define SITE_VERSION 2U
+#define SITE_VERSION 3U
 #define SECONDS 900U
 #define TICKS 10U
 
@@ -130,7 +130,7 @@ static void test_its_lamps_are_the_pilots(void) {
             TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &counts, NULL));
             for (uint32_t k = 0U; k < TICKS; k++) {
                 TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, ELMOPP_NO_STAGE, aspects));
-                const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&pilot, pilot.wanted);
+                const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
                 for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
                     TEST_ASSERT_EQUAL_INT((int)elmopp_lamps_aspect(&lamps, g), aspects[g] - '0');
                 }

@@ -560,7 +560,7 @@ static void test_a_movement_that_is_partly_served_goes_on_waiting(void) {
     junction.conflict[1] = 0x0001U;
     junction.conflict[2] = 0x0001U;
     for (uint32_t i = 0U; i < 300U; i++) {
-        (void)elmopp_plan_step(&plan, 1U, 0x4U);
+        (void)elmopp_plan_step(&plan, 1U, 0x4U, false);
     }
     TEST_ASSERT_EQUAL_HEX16(0x0002U, junction.stage_groups[1]);
     TEST_ASSERT_EQUAL_UINT8(1U, plan.stage);
@@ -570,7 +570,7 @@ static void test_a_movement_that_is_partly_served_goes_on_waiting(void) {
 static void test_movements_that_do_not_exist_never_wait(void) {
     settle(0U);
     for (uint32_t i = 0U; i < 100U; i++) {
-        (void)elmopp_plan_step(&plan, 0U, 0xFFFFFFF8U);
+        (void)elmopp_plan_step(&plan, 0U, 0xFFFFFFF8U, false);
     }
     for (uint32_t j = STAGES; j < ELMOPP_MOVEMENT_MAX; j++) {
         TEST_ASSERT_EQUAL_UINT16(0U, plan.wait_ds[j]);
@@ -610,8 +610,8 @@ static void test_groups_and_movements_that_do_not_exist_change_nothing(void) {
         const bool again = (random_next(&random) % 64U) == 0U;
         const elmopp_stage_t wanted = again ? (elmopp_stage_t)random_below(&random, STAGES) : plan.target;
         const uint32_t demand = again ? random_below(&random, 8U) : 0U;
-        lamps = elmopp_plan_step(&plan, wanted, demand);
-        const elmopp_lamps_t same = elmopp_plan_step(&other, wanted, demand);
+        lamps = elmopp_plan_step(&plan, wanted, demand, false);
+        const elmopp_lamps_t same = elmopp_plan_step(&other, wanted, demand, false);
         TEST_ASSERT_EQUAL_HEX16(lamps.green, same.green);
         TEST_ASSERT_EQUAL_HEX16(lamps.amber, same.amber);
         TEST_ASSERT_EQUAL_UINT8(plan.target, other.target);
@@ -622,7 +622,7 @@ static void test_groups_and_movements_that_do_not_exist_change_nothing(void) {
 static void test_a_group_that_does_not_exist_is_never_green(void) {
     junction.movement[0].groups = (uint16_t)(1U << STAGES);
     plan.group[STAGES].aspect = ELMOPP_ASPECT_GREEN;
-    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 1U);
+    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 1U, false);
     TEST_ASSERT_EQUAL_UINT16(1U, plan.wait_ds[0]);
 }
 
@@ -638,7 +638,7 @@ static void test_a_green_once_contested_counts_on(void) {
 }
 
 static void test_a_stage_that_does_not_exist_is_a_mistake_of_the_caller(void) {
-    TEST_EXPECT_ASSERT(elmopp_plan_step(&plan, STAGES, 0U));
+    TEST_EXPECT_ASSERT(elmopp_plan_step(&plan, STAGES, 0U, false));
 }
 
 int main(void) {

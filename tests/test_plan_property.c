@@ -38,7 +38,7 @@ static void begin(const elmopp_junction_t *site, uint64_t new_seed) {
 }
 
 static void tick(elmopp_stage_t wanted, uint32_t demand) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand);
+    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand, false);
     if (!plan_oracle_judge(&oracle, wanted, demand, lamps, &plan)) {
         TEST_FAIL_MESSAGE(oracle.complaint);
     }

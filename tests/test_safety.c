@@ -39,7 +39,7 @@ void tearDown(void) {}
 
 /* The lamps report what they were told a tick ago. */
 static void tick(elmopp_stage_t wanted, uint32_t demand) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand);
+    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand, false);
     const elmopp_monitor_input_t input = {
         .command = lamps, .measured = monitor.last, .fresh = UINT16_MAX, .mode = ELMOPP_MODE_AUTOMATIC};
     if (elmopp_monitor_check(&monitor, &input) != ELMOPP_FAULT_NONE) {
