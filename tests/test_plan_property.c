@@ -182,8 +182,8 @@ static void test_every_site_with_random_times_keeps_all_rules(void) {
         waits += oracle.waits;
         rescued += oracle.rescued;
     }
-    TEST_ASSERT_TRUE_MESSAGE(rescued > 100U, "the test never met the bound on red");
-    TEST_ASSERT_TRUE_MESSAGE(waits > 1000U, "the test hardly met an occupied junction");
+    TEST_ASSERT_TRUE_MESSAGE(rescued > (25U * SEEDS_OF_RANDOM_TIMES), "the test never met the bound on red");
+    TEST_ASSERT_TRUE_MESSAGE(waits > (250U * SEEDS_OF_RANDOM_TIMES), "the test hardly met an occupied junction");
 }
 
 /* The largest junction there can be, all groups in conflict. */
