@@ -528,7 +528,9 @@ def test_programmes_and_their_hours_are_read(tmp_path: Path) -> None:
 
 def test_what_a_street_does_not_say_has_a_default(tmp_path: Path) -> None:
     text = re.sub(
-        r"(start_flash_s|start_red_s|first_stage|cameras|junction_wait_ds) = .*\n", "", without("detectors", "schedule", "special_days")
+        r"(start_flash_s|start_red_s|first_stage|cameras|junction_wait_ds) = .*\n",
+        "",
+        without("detectors", "schedule", "special_days"),
     )
     site = load_site(write_site(tmp_path, text))[0]
     assert (site.start_flash_ds, site.start_red_ds, site.first_stage, site.cameras) == (100, 60, 0, 0b11)

@@ -73,8 +73,10 @@ def _check_start(junction: Junction) -> None:
     _check_time("start_red_s", junction.start_red_ds)
     if junction.junction_wait_ds > JUNCTION_WAIT_MAX_DS:
         raise SiteError(
-            "junction_wait_ds is too long", junction.junction_wait_ds, f"at most {JUNCTION_WAIT_MAX_DS}: who stands in "
-            "the junction for longer is held up by something that red does not clear"
+            "junction_wait_ds is too long",
+            junction.junction_wait_ds,
+            f"at most {JUNCTION_WAIT_MAX_DS}: who stands in "
+            "the junction for longer is held up by something that red does not clear",
         )
 
 
