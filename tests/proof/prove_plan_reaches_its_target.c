@@ -103,7 +103,6 @@ static void group_falls(const elmopp_junction_t *junction) {
     const uint32_t is_ds = until_green_ds(&site, after);
     CLAIM(is_on_its_way(after, true), "a group that the target holds does not end");
     CLAIM(hindered || waits || (was_ds == 0U) || (is_ds < was_ds), "it comes nearer to green unless hindered or held");
-    CLAIM((!hindered) || (!waits), "only what could start is held");
     CLAIM(is_ds <= was_ds, "it never goes away from green");
     CLAIM((is_ds > 0U) || (after.aspect == ELMOPP_ASPECT_GREEN), "nothing is left: it is green");
 }
