@@ -184,6 +184,9 @@ std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction
         return "the hold window is not 1 <= min <= max <= 150 s";
     case ELMOPP_SITE_START:
         return "first stage, cameras or start-up times are out of bounds";
+    case ELMOPP_SITE_WAIT:
+        return "the wait for an occupied junction is " + std::to_string(junction.junction_wait_ds) +
+               " ds; right would be " + std::to_string(ELMOPP_SITE_JUNCTION_WAIT_MAX_DS) + " ds or less";
     case ELMOPP_SITE_APPROACH:
         return "approach " + first + " has more movements than its counts can carry";
     case ELMOPP_SITE_RESCUE:

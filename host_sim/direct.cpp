@@ -26,6 +26,7 @@ class Direct final : public Control {
             present_veh_[j] = static_cast<float>(traffic.queue_veh()[j]);
             arrived_veh_[j] = static_cast<float>(traffic.arrived_veh()[j]);
         }
+        occupied_ = traffic.junction_occupied().value_or(false);
         const elmopp_counts_t counts{present_veh_.data(), arrived_veh_.data(), 0U};
         const bool given = oracle_ || demand_.foresight != nullptr;
         const elmopp_foreseen_t foreseen = given ? rows_from_outside(t_s) : elmopp_foreseen_t{};
@@ -35,7 +36,7 @@ class Direct final : public Control {
     }
 
     elmopp_lamps_t lamp_tick() override {
-        return elmopp_pilot_lamp_tick(&pilot_, pilot_.wanted);
+        return elmopp_pilot_lamp_tick(&pilot_, pilot_.wanted, occupied_);
     }
 
     [[nodiscard]] Told told() const override {
@@ -64,6 +65,7 @@ class Direct final : public Control {
     const Scenario &scenario_;
     const Demand &demand_;
     bool oracle_;
+    bool occupied_ = false;
     std::unique_ptr<Plugged> plugged_;
     std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> scaled_veh_{};
     elmopp_pilot_t pilot_{};

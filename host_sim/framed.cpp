@@ -16,6 +16,7 @@ extern "C" {
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace elmopp {
@@ -23,6 +24,7 @@ namespace {
 
 constexpr std::size_t self_test_and_cameras_s = 15; ///< what a start-up takes beyond the site's own times
 constexpr float forecast_unit_veh = 0.1F;           ///< of the DBC
+constexpr unsigned occupancy_every = ELMOPP_CAN_JUNCTION_OCCUPIED_CYCLE_TIME_MS / ELMOPP_CONTROLLER_TICK_MS;
 constexpr double most_present_veh = ELMOPP_DETECTOR_UNKNOWN - 1U;
 
 /// Everything on the bus that is not the controller: cameras that count without mistakes, lamp nodes that do as told.
@@ -41,6 +43,17 @@ class Street {
                 frames.push_back(counts_of(i, present_veh));
                 elmopp_link_seal(&frames.back(), &camera_counter_[i]);
             }
+        }
+        return frames;
+    }
+
+    /// What the junction camera sends in a lamp tick: one frame in two, to a site that listens.
+    std::vector<elmopp_frame_t> occupancy(std::optional<bool> occupied) {
+        std::vector<elmopp_frame_t> frames;
+        if (occupied && junction_.junction_wait_ds > 0 && occupancy_ticks_++ % occupancy_every == 0) {
+            const elmopp_occupancy_t sign{*occupied, true, ELMOPP_REASON_OK};
+            frames.push_back(elmopp_frames_make_occupancy(&sign));
+            elmopp_link_seal(&frames.back(), &occupancy_counter_);
         }
         return frames;
     }
@@ -83,6 +96,8 @@ class Street {
     std::vector<double> total_veh_;
     std::array<std::uint8_t, ELMOPP_APPROACH_MAX> camera_counter_{};
     std::array<std::uint8_t, ELMOPP_NODE_MAX> node_counter_{};
+    std::uint8_t occupancy_counter_ = 0;
+    unsigned occupancy_ticks_ = 0;
 };
 
 /// What the frames say of the controller, for the log.
@@ -185,11 +200,15 @@ class Framed final : public Control {
     }
 
     void count(const Traffic &traffic, std::size_t /*t_s*/) override {
+        occupied_ = traffic.junction_occupied();
         count(traffic.queue_veh(), traffic.arrived_veh());
     }
 
     elmopp_lamps_t lamp_tick() override {
         for (const auto &frame : street_.feedback(heard_.lamps(), *link_)) {
+            pending_.push_back(frame);
+        }
+        for (const auto &frame : street_.occupancy(occupied_)) {
             pending_.push_back(frame);
         }
         now_ms_ += ELMOPP_CONTROLLER_TICK_MS;
@@ -241,6 +260,7 @@ class Framed final : public Control {
     Street street_;
     Heard heard_;
     std::vector<elmopp_frame_t> pending_;
+    std::optional<bool> occupied_; ///< nothing: nobody knows
     elmopp_ms_t now_ms_ = 0;
 };
 

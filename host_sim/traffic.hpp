@@ -13,6 +13,7 @@
 
 #include "scenario.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace elmopp {
@@ -43,6 +44,11 @@ class Traffic {
     [[nodiscard]] const std::vector<double> &left_veh() const {
         return left_veh_;
     } ///< in the last second
+    /// Whether a vehicle stands inside the junction, as its camera would see it after arrive(). Nothing: these vehicles
+    /// have no place there, as a fluid has none. What is then not known is not sent to anybody.
+    [[nodiscard]] std::optional<bool> junction_occupied() const {
+        return std::nullopt;
+    }
     [[nodiscard]] double total_in_veh() const {
         return total_in_veh_;
     } ///< with the initial ones

@@ -33,6 +33,7 @@ struct elmopp_handle {
     std::unique_ptr<elmopp::Plugged> plugged;
     elmopp_pilot_t pilot{};
     elmopp_monitor_t monitor{};
+    bool occupied = false;
 };
 
 namespace elmopp {
@@ -173,13 +174,16 @@ int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
     const elmopp_second_t ours = elmopp::in_our_size(*second);
     const auto downstream_veh = elmopp::downstream_of(*self, ours);
     if (!downstream_veh) {
+        self->occupied = false;
         elmopp_pilot_step_blind(&self->pilot);
         return ELMOPP_REFUSED;
     }
     // Only the chooser reads them, and the pilot asks it only in a second that it believes: none reads a refused one's.
     self->downstream_veh = *downstream_veh;
     const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall};
-    return elmopp_pilot_step(&self->pilot, &counts, nullptr) ? ELMOPP_DONE : ELMOPP_REFUSED;
+    const bool believed = elmopp_pilot_step(&self->pilot, &counts, nullptr);
+    self->occupied = believed && ours.occupied != 0;
+    return believed ? ELMOPP_DONE : ELMOPP_REFUSED;
 }
 
 int elmopp_tick(elmopp_t *self, std::int32_t wish, char aspects[ELMOPP_ASPECT_BYTES]) {
@@ -188,7 +192,7 @@ int elmopp_tick(elmopp_t *self, std::int32_t wish, char aspects[ELMOPP_ASPECT_BY
         return ELMOPP_REFUSED;
     }
     const elmopp_stage_t wanted = exists ? static_cast<elmopp_stage_t>(wish) : self->pilot.wanted;
-    const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted);
+    const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted, self->occupied);
     elmopp::write_aspects(elmopp::judged(*self, lamps), aspects);
     return self->monitor.first == ELMOPP_FAULT_NONE ? ELMOPP_DONE : ELMOPP_FAULT;
 }

@@ -66,6 +66,7 @@ typedef struct {
     const float *present_veh;    ///< vehicles inside the reach
     const float *arrived_veh;    ///< vehicles that came into it in the last second
     const float *downstream_veh; ///< vehicles on the road that the movement leads to; null: nobody knows
+    uint32_t occupied;           ///< 1: a vehicle stands inside the junction; 0: none does, or nobody knows
 } elmopp_second_t;
 
 /// How many there are of everything, in the order of the site.
@@ -87,8 +88,10 @@ void elmopp_close(elmopp_t *self);
 /// Fills `out` as far as its size says; ELMOPP_REFUSED for a size that it never had.
 int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out);
 
-/// Takes a second's counts and asks the chooser. ELMOPP_REFUSED for a count of any of the three arrays that is
-/// negative, not finite or beyond a million: nothing is learnt, the wish stays, and everybody on red counts as waiting.
+/// Takes a second's counts and asks the chooser. `occupied` holds until the next call: a change of stage waits for it
+/// as long as the site says (junction_wait_ds), whoever chooses. ELMOPP_REFUSED for a count of any of the three arrays
+/// that is negative, not finite or beyond a million: nothing is learnt, the wish stays, everybody on red counts as
+/// waiting, and the junction as empty.
 int elmopp_count(elmopp_t *self, const elmopp_second_t *second);
 
 /// Moves the lamps by 100 ms and writes what they show, one digit a group: 0 dark, 1 red, 2 red-amber, 3 green, 4

@@ -29,6 +29,7 @@ const elmopp_junction_t elmopp_site_paper = {
     .program_count = 0U,
     .schedule_count = 0U,
     .special_day_count = 0U,
+    .junction_wait_ds = 0U,
     .reach_m = 1000.0F,
     .free_flow_m_per_s = 10.0F,
     .approach_name = {

@@ -29,6 +29,7 @@ const elmopp_junction_t elmopp_site_three_way = {
     .program_count = 1U,
     .schedule_count = 0U,
     .special_day_count = 0U,
+    .junction_wait_ds = 0U,
     .reach_m = 100.0F,
     .free_flow_m_per_s = 0.0F,
     .approach_name = {

@@ -171,12 +171,12 @@ static void test_pilot_asserts_the_steps_of_an_oracle(void) {
 
 static void test_plan_asserts_the_wish(void) {
     elmopp_plan_init(&plan, &junction);
-    (void)elmopp_plan_step(&plan, 3U, 0U);
-    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 0U);
-    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_RED, 0U);
-    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 4U, 0U));
-    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 61U, 0U));
-    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 64U, 0U));
+    (void)elmopp_plan_step(&plan, 3U, 0U, false);
+    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 0U, false);
+    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_RED, 0U, false);
+    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 4U, 0U, false));
+    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 61U, 0U, false));
+    TEST_EXPECT_ASSERT((void)elmopp_plan_step(&plan, 64U, 0U, false));
 }
 
 int main(void) {

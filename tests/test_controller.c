@@ -7,6 +7,7 @@
 #include "assert_catcher.h"
 #include "bench.h"
 #include "elmopp_can.h"
+#include "sites.h"
 #include "unity.h"
 
 #include <string.h>
@@ -171,6 +172,127 @@ static void test_a_camera_that_the_site_does_not_have_is_not_listened_to(void) {
     elmopp_link_seal(&frame, &counter);
     TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &frame));
     TEST_ASSERT_EQUAL_UINT8(0U, bench.controller.bus.refused);
+}
+
+/* --- the junction camera --- */
+
+#define WAIT_DS 70U
+
+/* In automatic mode, with nobody about but who goes. */
+static void rest_in_the_first_stage(void) {
+    bench.answer = 0U;
+    start();
+    for (uint32_t j = 1U; j < GROUPS; j++) {
+        bench.present_veh[j] = 0U;
+    }
+    bench_ticks(&bench, 1500U);
+    TEST_ASSERT_EQUAL_HEX16(0x1U, bench.shown.green);
+}
+
+/* A site whose changes wait, in automatic mode with stage 0 shown, and somebody in the junction or not. */
+static void start_watched(bool occupied) {
+    bench.junction.junction_wait_ds = WAIT_DS;
+    bench.junction.red_bound_ds = 2000U;
+    bench_start(&bench, &bench.junction);
+    rest_in_the_first_stage();
+    bench.junction_seen = true;
+    bench.occupancy = (elmopp_occupancy_t){.occupied = occupied, .valid = true};
+    bench_ticks(&bench, 20U);
+}
+
+/* Ticks of all red until the next green, group 1's. */
+static uint32_t all_red_until_the_next_green(void) {
+    uint32_t red = 0U;
+    bench.answer = 1U;
+    bench.present_veh[1] = 5U;
+    for (uint32_t i = 0U; (i < 400U) && (bench.shown.green != 0x2U); i++) {
+        bench_tick(&bench);
+        red += ((bench.shown.green | bench.shown.amber) == 0U) ? 1U : 0U;
+    }
+    TEST_ASSERT_EQUAL_HEX16(0x2U, bench.shown.green);
+    return red;
+}
+
+#define CLEARANCE_DS (CROSS_INTERGREEN_DS - CROSS_AMBER_DS - CROSS_RED_AMBER_DS)
+
+static void expect_all_red(uint32_t ticks) {
+    TEST_ASSERT_EQUAL_UINT32(ticks, all_red_until_the_next_green());
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.controller.fault);
+}
+
+static void test_a_change_waits_for_the_junction_and_the_monitor_does_not_mind(void) {
+    start_watched(true);
+    expect_all_red(CLEARANCE_DS + WAIT_DS);
+}
+
+static void test_a_clear_junction_costs_nothing(void) {
+    start_watched(false);
+    expect_all_red(CLEARANCE_DS);
+}
+
+static void test_a_junction_camera_that_does_not_know_costs_nothing(void) {
+    start_watched(true);
+    bench.occupancy = (elmopp_occupancy_t){.occupied = true, .valid = false, .reason = 6U};
+    bench_ticks(&bench, 2U);
+    expect_all_red(CLEARANCE_DS);
+}
+
+static void test_without_a_junction_camera_nothing_waits(void) {
+    start_watched(true);
+    bench.junction_seen = false;
+    bench_ticks(&bench, 10U);
+    expect_all_red(CLEARANCE_DS);
+    bench_start(&bench, &bench.junction); /* nor where there has never been one */
+    rest_in_the_first_stage();
+    expect_all_red(CLEARANCE_DS);
+}
+
+/* Silent from the middle of the wait on: its last word holds for 0.6 s. */
+static void test_a_junction_camera_that_falls_silent_ends_the_wait(void) {
+    start_watched(true);
+    bench.answer = 1U;
+    bench.present_veh[1] = 5U;
+    uint32_t red = 0U;
+    while (red < (CLEARANCE_DS + 20U)) {
+        bench_tick(&bench);
+        red += ((bench.shown.green | bench.shown.amber) == 0U) ? 1U : 0U;
+    }
+    const uint32_t last_word = bench.controller.bus.junction_camera.age_ds;
+    bench.junction_seen = false;
+    for (uint32_t age_ds = last_word + 1U; age_ds < 6U; age_ds++) {
+        bench_tick(&bench);
+        TEST_ASSERT_EQUAL_HEX16(0U, bench.shown.amber);
+    }
+    bench_tick(&bench);
+    TEST_ASSERT_EQUAL_HEX16(0x2U, bench.shown.amber);
+}
+
+static void test_a_site_that_does_not_wait_does_not_listen_to_a_junction_camera(void) {
+    start();
+    const elmopp_occupancy_t occupancy = {.occupied = true, .valid = true};
+    elmopp_frame_t frame = elmopp_frames_make_occupancy(&occupancy);
+    uint8_t counter = 0U;
+    elmopp_link_seal(&frame, &counter);
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &frame));
+    TEST_ASSERT_EQUAL_UINT8(0U, bench.controller.bus.refused);
+}
+
+static void test_a_spoilt_or_repeated_word_of_the_junction_camera_is_refused(void) {
+    start_watched(false);
+    const elmopp_occupancy_t occupancy = {.occupied = true, .valid = true};
+    elmopp_frame_t frame = elmopp_frames_make_occupancy(&occupancy);
+    uint8_t counter = (uint8_t)((bench.occupancy_counter + 14U) % 15U); /* the last one's */
+    elmopp_link_seal(&frame, &counter);
+    const uint8_t before = bench.controller.bus.refused;
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &frame));
+    elmopp_link_seal(&frame, &counter);
+    frame.data[0] ^= 0x20U;
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &frame));
+    TEST_ASSERT_FALSE(bench.controller.bus.occupied);
+    TEST_ASSERT_EQUAL_UINT8(before + 2U, bench.controller.bus.refused);
+    frame.data[0] ^= 0x20U;
+    TEST_ASSERT_TRUE(elmopp_controller_take(&bench.controller, &frame));
+    TEST_ASSERT_TRUE(bench.controller.bus.occupied);
 }
 
 /* --- faults --- */
@@ -514,6 +636,13 @@ int main(void) {
     RUN_TEST(test_without_any_camera_the_programme_runs_and_without_faults_automatic_comes_back);
     RUN_TEST(test_every_movement_is_served_within_the_bound_however_blind_or_stubborn);
     RUN_TEST(test_a_camera_that_the_site_does_not_have_is_not_listened_to);
+    RUN_TEST(test_a_change_waits_for_the_junction_and_the_monitor_does_not_mind);
+    RUN_TEST(test_a_clear_junction_costs_nothing);
+    RUN_TEST(test_a_junction_camera_that_does_not_know_costs_nothing);
+    RUN_TEST(test_without_a_junction_camera_nothing_waits);
+    RUN_TEST(test_a_junction_camera_that_falls_silent_ends_the_wait);
+    RUN_TEST(test_a_site_that_does_not_wait_does_not_listen_to_a_junction_camera);
+    RUN_TEST(test_a_spoilt_or_repeated_word_of_the_junction_camera_is_refused);
     RUN_TEST(test_lost_feedback_flashes);
     RUN_TEST(test_a_green_that_sticks_is_named);
     RUN_TEST(test_a_red_that_is_broken_is_named);

@@ -196,6 +196,15 @@ static void test_a_change_holds_every_time_of_every_group_and_pair(void) {
     }
 }
 
+static void test_a_change_holds_the_wait_for_an_occupied_junction(void) {
+    elmopp_junction_t junction = test_cross(4U);
+    for (uint16_t wait_ds = 0U; wait_ds <= 100U; wait_ds++) {
+        junction.junction_wait_ds = wait_ds;
+        TEST_ASSERT_EQUAL_UINT32(CROSS_MIN_GREEN_DS + CROSS_INTERGREEN_DS + wait_ds + 2U,
+                                 elmopp_junction_change_ds(&junction));
+    }
+}
+
 /* It conflicts with nobody, so that no intergreen holds its red-amber. */
 static void test_a_change_holds_the_red_amber_of_a_group_without_conflicts(void) {
     elmopp_junction_t junction = test_cross(1U);
@@ -220,6 +229,7 @@ int main(void) {
     RUN_TEST(test_served_reaches_the_last_movement_and_none_beyond_the_count);
     RUN_TEST(test_nodes_and_their_groups_are_those_of_the_site);
     RUN_TEST(test_a_change_holds_every_time_of_every_group_and_pair);
+    RUN_TEST(test_a_change_holds_the_wait_for_an_occupied_junction);
     RUN_TEST(test_a_change_holds_the_red_amber_of_a_group_without_conflicts);
     return UNITY_END();
 }

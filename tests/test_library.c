@@ -20,7 +20,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define SITE_VERSION 2U
+#define SITE_VERSION 3U
 #define SECONDS 900U
 #define TICKS 10U
 
@@ -132,7 +132,7 @@ static void test_its_lamps_are_the_pilots(void) {
             TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &counts, NULL));
             for (uint32_t k = 0U; k < TICKS; k++) {
                 TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, ELMOPP_NO_STAGE, aspects));
-                const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&pilot, pilot.wanted);
+                const elmopp_lamps_t lamps = elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
                 for (uint32_t g = 0U; g < ELMOPP_GROUP_MAX; g++) {
                     TEST_ASSERT_EQUAL_INT((int)elmopp_lamps_aspect(&lamps, g), aspects[g] - '0');
                 }
@@ -243,6 +243,45 @@ static void test_refused_seconds_keep_the_stages_turning(void) {
     TEST_ASSERT_TRUE(others != 0U);
 }
 
+/* Ticks until the second stage is green, with somebody in the junction for so many seconds. */
+static uint32_t change_with_the_junction_occupied_for(uint32_t seconds) {
+    elmopp_junction_t site = elmopp_site_four_way;
+    site.junction_wait_ds = 50U;
+    site.red_bound_ds = 3000U;
+    open_site(&site, "naive");
+    for (uint32_t t = 0U; t < 40U; t++) {
+        TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+        for (uint32_t k = 0U; k < TICKS; k++) {
+            TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, 0, aspects));
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(0, elmopp_stage(junction));
+    for (uint32_t j = 0U; j < site.movement_count; j++) {
+        present_veh[j] = 3.0F;
+    }
+    uint32_t ticks = 0U;
+    for (uint32_t t = 0U; (t < 60U) && (elmopp_stage(junction) != 3); t++) {
+        second.occupied = (t < seconds) ? 1U : 0U;
+        TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+        for (uint32_t k = 0U; (k < TICKS) && (elmopp_stage(junction) != 3); k++) {
+            TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, 3, aspects));
+            ticks++;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(3, elmopp_stage(junction));
+    TEST_ASSERT_NULL(elmopp_fault(junction));
+    return ticks;
+}
+
+static void test_a_change_waits_for_an_occupied_junction_as_the_site_says(void) {
+    const uint32_t empty = change_with_the_junction_occupied_for(0U);
+    TEST_ASSERT_EQUAL_UINT32(empty, change_with_the_junction_occupied_for(3U));
+    const uint32_t full = change_with_the_junction_occupied_for(60U);
+    TEST_ASSERT_TRUE((full > empty) && (full <= (empty + 50U)));
+    second.size = offsetof(elmopp_second_t, occupied); /* a caller who does not know of it */
+    TEST_ASSERT_EQUAL_UINT32(empty, change_with_the_junction_occupied_for(60U));
+}
+
 static void test_structs_of_another_size(void) {
     open_site(test_sites[0], NULL);
     second.size = offsetof(elmopp_second_t, downstream_veh); /* an older caller */
@@ -313,6 +352,7 @@ int main(void) {
     RUN_TEST(test_counts_that_are_none_are_refused);
     RUN_TEST(test_a_refused_second_leaves_no_trace);
     RUN_TEST(test_refused_seconds_keep_the_stages_turning);
+    RUN_TEST(test_a_change_waits_for_an_occupied_junction_as_the_site_says);
     RUN_TEST(test_structs_of_another_size);
     RUN_TEST(test_what_cannot_be_opened_says_why);
     RUN_TEST(test_handles_are_independent);

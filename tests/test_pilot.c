@@ -59,7 +59,7 @@ static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score
 /* The intergreens of the start are over before the first second. */
 static void wait_out_the_start(void) {
     for (uint32_t i = 0U; i < CROSS_INTERGREEN_DS; i++) {
-        lamps = elmopp_pilot_lamp_tick(&pilot, ELMOPP_STAGE_NONE);
+        lamps = elmopp_pilot_lamp_tick(&pilot, ELMOPP_STAGE_NONE, false);
     }
 }
 
@@ -90,7 +90,7 @@ void tearDown(void) {}
 
 static void lamp_ticks(uint32_t ticks) {
     for (uint32_t i = 0U; i < ticks; i++) {
-        lamps = elmopp_pilot_lamp_tick(&pilot, pilot.wanted);
+        lamps = elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
     }
 }
 
@@ -653,7 +653,7 @@ static void test_a_movement_on_recall_waits_without_a_vehicle(void) {
 
 static void test_somebody_else_may_want_a_stage_or_red(void) {
     seconds(8U, 1U);
-    lamps = elmopp_pilot_lamp_tick(&pilot, ELMOPP_STAGE_RED);
+    lamps = elmopp_pilot_lamp_tick(&pilot, ELMOPP_STAGE_RED, false);
     TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, pilot.plan.target);
     TEST_ASSERT_EQUAL_HEX16(0x0002U, lamps.amber);
 }
@@ -661,7 +661,7 @@ static void test_somebody_else_may_want_a_stage_or_red(void) {
 static void test_t_goes_on_in_all_red(void) {
     seconds(8U, 1U);
     for (uint32_t i = 0U; i < 200U; i++) {
-        lamps = elmopp_pilot_lamp_tick(&pilot, ELMOPP_STAGE_RED);
+        lamps = elmopp_pilot_lamp_tick(&pilot, ELMOPP_STAGE_RED, false);
     }
     TEST_ASSERT_EQUAL_UINT16(200U, pilot.red_ds[1]);
 }
@@ -673,7 +673,7 @@ static void test_a_restart_is_red_with_running_intergreens_and_keeps_the_forecas
     elmopp_pilot_restart(&pilot);
     TEST_ASSERT_EQUAL_UINT32(20U, pilot.forecast.seen_s);
     TEST_ASSERT_EQUAL_UINT8(ELMOPP_STAGE_NONE, pilot.wanted);
-    lamps = elmopp_pilot_lamp_tick(&pilot, 1U);
+    lamps = elmopp_pilot_lamp_tick(&pilot, 1U, false);
     TEST_ASSERT_EQUAL_HEX16(0x0007U, lamps.red);
     TEST_ASSERT_EQUAL_HEX16(0x0000U, lamps.amber);
     for (uint32_t j = 0U; j < MOVEMENTS; j++) {

@@ -560,7 +560,7 @@ static void test_a_movement_that_is_partly_served_goes_on_waiting(void) {
     junction.conflict[1] = 0x0001U;
     junction.conflict[2] = 0x0001U;
     for (uint32_t i = 0U; i < 300U; i++) {
-        (void)elmopp_plan_step(&plan, 1U, 0x4U);
+        (void)elmopp_plan_step(&plan, 1U, 0x4U, false);
     }
     TEST_ASSERT_EQUAL_HEX16(0x0002U, junction.stage_groups[1]);
     TEST_ASSERT_EQUAL_UINT8(1U, plan.stage);
@@ -570,11 +570,126 @@ static void test_a_movement_that_is_partly_served_goes_on_waiting(void) {
 static void test_movements_that_do_not_exist_never_wait(void) {
     settle(0U);
     for (uint32_t i = 0U; i < 100U; i++) {
-        (void)elmopp_plan_step(&plan, 0U, 0xFFFFFFF8U);
+        (void)elmopp_plan_step(&plan, 0U, 0xFFFFFFF8U, false);
     }
     for (uint32_t j = STAGES; j < ELMOPP_MOVEMENT_MAX; j++) {
         TEST_ASSERT_EQUAL_UINT16(0U, plan.wait_ds[j]);
     }
+}
+
+/* --- an occupied junction --- */
+
+/* As run(), with somebody in the junction in the ticks whose number is in [from, to). */
+static void run_occupied(uint32_t ticks, elmopp_stage_t wanted, uint32_t from, uint32_t to) {
+    const uint32_t demand = elmopp_junction_served(&junction, junction.stage_groups[wanted]);
+    for (uint32_t tick = 0U; tick < ticks; tick++) {
+        lamps = elmopp_plan_step(&plan, wanted, demand, (tick >= from) && (tick < to));
+    }
+}
+
+/* Ticks of a change from stage 0 to 1 until its green, of which [from, to) are occupied. */
+static uint32_t change_occupied(uint16_t wait_ds, uint32_t from, uint32_t to) {
+    setUp();
+    junction.junction_wait_ds = wait_ds;
+    settle(0U);
+    uint32_t tick = 0U;
+    while ((!has(lamps.green, 1U)) && (tick < 1000U)) {
+        lamps = elmopp_plan_step(&plan, 1U, 0x2U, (tick >= from) && (tick < to));
+        const bool before = tick < (CROSS_INTERGREEN_DS - CROSS_RED_AMBER_DS);
+        TEST_ASSERT_TRUE_MESSAGE(before || (!has(lamps.amber, 0U)), "the wait lengthens an amber");
+        tick++;
+    }
+    TEST_ASSERT_FALSE(has(lamps.green, 0U));
+    return tick - 1U;
+}
+
+#define BEGINS (CROSS_INTERGREEN_DS - CROSS_RED_AMBER_DS) ///< tick in which red-amber begins in an empty junction
+
+static void test_a_change_waits_while_the_junction_is_occupied(void) {
+    for (uint32_t to = 0U; to <= 130U; to++) {
+        const uint32_t over = (to > BEGINS) ? (to - BEGINS) : 0U;
+        const uint32_t waited = (over < 60U) ? over : 60U;
+        TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS + waited, change_occupied(60U, 0U, to));
+    }
+}
+
+static void test_without_a_wait_of_the_site_an_occupied_junction_changes_nothing(void) {
+    TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS, change_occupied(0U, 0U, 1000U));
+}
+
+static void test_who_enters_the_junction_when_red_amber_has_begun_is_too_late(void) {
+    TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS, change_occupied(60U, BEGINS + 1U, 1000U));
+    TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS + 60U, change_occupied(60U, BEGINS, 1000U));
+}
+
+/* Ticks in which nobody could have started anyway cost nothing of the wait. */
+static void test_the_wait_begins_when_the_clearance_is_over(void) {
+    TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS, change_occupied(10U, 0U, BEGINS));
+    TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS + 10U, change_occupied(10U, 0U, 1000U));
+}
+
+static void test_each_change_has_the_whole_wait(void) {
+    junction.junction_wait_ds = 30U;
+    junction.red_bound_ds = 0U;
+    settle(0U);
+    for (elmopp_stage_t stage = 1U; stage < STAGES; stage++) {
+        run_occupied(CROSS_INTERGREEN_DS + 30U, stage, 0U, 1000U);
+        TEST_ASSERT_FALSE(has(lamps.green, stage));
+        TEST_ASSERT_EQUAL_UINT16(30U, plan.waited_ds);
+        run_occupied(1U, stage, 0U, 1000U);
+        TEST_ASSERT_TRUE(has(lamps.green, stage));
+        run_occupied(1U, stage, 0U, 1000U);
+        TEST_ASSERT_EQUAL_UINT16(0U, plan.waited_ds);
+        run_occupied(CROSS_MIN_GREEN_DS, stage, 0U, 1000U);
+    }
+}
+
+static void test_the_wait_is_counted_over_its_interruptions(void) {
+    junction.junction_wait_ds = 20U;
+    settle(0U);
+    /* 10 ticks held, 1 that is not: in it the red-amber begins. */
+    run_occupied(BEGINS + 11U, 1U, BEGINS, BEGINS + 10U);
+    TEST_ASSERT_TRUE(has(lamps.amber, 1U));
+    run_occupied(CROSS_RED_AMBER_DS, 1U, 0U, 1000U);
+    TEST_ASSERT_TRUE(has(lamps.green, 1U));
+}
+
+/* The first green of all, after red everywhere, waits too. */
+static void test_the_first_green_waits_for_the_junction(void) {
+    junction.junction_wait_ds = 40U;
+    run_occupied(CROSS_INTERGREEN_DS + 40U, 1U, 0U, 1000U);
+    TEST_ASSERT_EQUAL_HEX16(0U, lamps.green);
+    run_occupied(1U, 1U, 0U, 1000U);
+    TEST_ASSERT_EQUAL_HEX16(0x2U, lamps.green);
+}
+
+/* Stage 3 to 4 of four_way: S.R is in both; the others begin in three different ticks, 40, 50 and 60. */
+static void test_what_is_green_in_both_stages_stays_green_and_all_starts_wait_together(void) {
+    start(&elmopp_site_four_way);
+    junction.junction_wait_ds = 25U;
+    junction.red_bound_ds = 0U;
+    settle(3U);
+    for (uint32_t tick = 0U; tick < 100U; tick++) {
+        lamps = elmopp_plan_step(&plan, 4U, elmopp_junction_served(&junction, junction.stage_groups[4]), true);
+        expect_aspect(8U, 'G', tick);
+        expect_aspect(7U, (tick < 65U) ? 'R' : ((tick < 75U) ? 'B' : 'G'), tick);
+        expect_aspect(1U, (tick < 65U) ? 'R' : ((tick < 75U) ? 'B' : 'G'), tick);
+        expect_aspect(2U, (tick < 65U) ? 'R' : ((tick < 75U) ? 'B' : 'G'), tick);
+        for (uint32_t g = 3U; g <= 5U; g++) {
+            expect_aspect(g, (tick < 30U) ? 'Y' : 'R', tick);
+        }
+    }
+}
+
+static void test_all_red_ends_greens_in_an_occupied_junction_as_in_an_empty_one(void) {
+    junction.junction_wait_ds = 100U;
+    settle(0U);
+    for (uint32_t tick = 0U; tick < 60U; tick++) {
+        lamps = elmopp_plan_step(&plan, ELMOPP_STAGE_RED, 0U, true);
+        expect_aspect(0U, (tick < 30U) ? 'Y' : 'R', tick);
+    }
+    TEST_ASSERT_TRUE(plan.settled);
+    TEST_ASSERT_EQUAL_UINT16(0U, plan.waited_ds);
 }
 
 /* --- what does not exist --- */
@@ -610,8 +725,8 @@ static void test_groups_and_movements_that_do_not_exist_change_nothing(void) {
         const bool again = (random_next(&random) % 64U) == 0U;
         const elmopp_stage_t wanted = again ? (elmopp_stage_t)random_below(&random, STAGES) : plan.target;
         const uint32_t demand = again ? random_below(&random, 8U) : 0U;
-        lamps = elmopp_plan_step(&plan, wanted, demand);
-        const elmopp_lamps_t same = elmopp_plan_step(&other, wanted, demand);
+        lamps = elmopp_plan_step(&plan, wanted, demand, false);
+        const elmopp_lamps_t same = elmopp_plan_step(&other, wanted, demand, false);
         TEST_ASSERT_EQUAL_HEX16(lamps.green, same.green);
         TEST_ASSERT_EQUAL_HEX16(lamps.amber, same.amber);
         TEST_ASSERT_EQUAL_UINT8(plan.target, other.target);
@@ -622,7 +737,7 @@ static void test_groups_and_movements_that_do_not_exist_change_nothing(void) {
 static void test_a_group_that_does_not_exist_is_never_green(void) {
     junction.movement[0].groups = (uint16_t)(1U << STAGES);
     plan.group[STAGES].aspect = ELMOPP_ASPECT_GREEN;
-    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 1U);
+    (void)elmopp_plan_step(&plan, ELMOPP_STAGE_NONE, 1U, false);
     TEST_ASSERT_EQUAL_UINT16(1U, plan.wait_ds[0]);
 }
 
@@ -638,7 +753,7 @@ static void test_a_green_once_contested_counts_on(void) {
 }
 
 static void test_a_stage_that_does_not_exist_is_a_mistake_of_the_caller(void) {
-    TEST_EXPECT_ASSERT(elmopp_plan_step(&plan, STAGES, 0U));
+    TEST_EXPECT_ASSERT(elmopp_plan_step(&plan, STAGES, 0U, false));
 }
 
 int main(void) {
@@ -685,6 +800,15 @@ int main(void) {
     RUN_TEST(test_a_rescue_begins_when_the_time_left_is_just_enough);
     RUN_TEST(test_without_a_bound_nobody_is_rescued);
     RUN_TEST(test_the_oldest_is_rescued_first_and_greens_are_cut_to_their_minimum);
+    RUN_TEST(test_a_change_waits_while_the_junction_is_occupied);
+    RUN_TEST(test_without_a_wait_of_the_site_an_occupied_junction_changes_nothing);
+    RUN_TEST(test_who_enters_the_junction_when_red_amber_has_begun_is_too_late);
+    RUN_TEST(test_the_wait_begins_when_the_clearance_is_over);
+    RUN_TEST(test_each_change_has_the_whole_wait);
+    RUN_TEST(test_the_wait_is_counted_over_its_interruptions);
+    RUN_TEST(test_the_first_green_waits_for_the_junction);
+    RUN_TEST(test_what_is_green_in_both_stages_stays_green_and_all_starts_wait_together);
+    RUN_TEST(test_all_red_ends_greens_in_an_occupied_junction_as_in_an_empty_one);
     RUN_TEST(test_a_movement_that_is_partly_served_goes_on_waiting);
     RUN_TEST(test_movements_that_do_not_exist_never_wait);
     RUN_TEST(test_groups_and_movements_that_do_not_exist_change_nothing);

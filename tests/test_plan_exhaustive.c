@@ -152,6 +152,17 @@ static void test_each_conflicting_group_alone_blocks_a_start(void) {
     }
 }
 
+static void test_a_held_group_stays_red_and_nothing_else_is_held(void) {
+    for (elmopp_aspect_t ended = ELMOPP_ASPECT_RED; ended <= ELMOPP_ASPECT_AMBER; ended++) {
+        for (elmopp_aspect_t started = ELMOPP_ASPECT_RED; started <= ELMOPP_ASPECT_AMBER; started++) {
+            const elmopp_plan_group_t one = {ended, 5U, 6U, 7U};
+            const elmopp_plan_group_t other = {started, 0U, 8U, 9U};
+            expect_group(other, elmopp_plan_hold(one, other, false), "not held");
+            expect_group((ended == ELMOPP_ASPECT_RED) ? one : other, elmopp_plan_hold(one, other, true), "held");
+        }
+    }
+}
+
 /* --- every change --- */
 
 static uint32_t later(uint32_t one, uint32_t other) {
@@ -234,6 +245,7 @@ int main(void) {
     RUN_TEST(test_a_group_ends_as_told_at_every_age_in_every_aspect);
     RUN_TEST(test_a_group_starts_as_told_at_every_age_in_every_aspect);
     RUN_TEST(test_each_conflicting_group_alone_blocks_a_start);
+    RUN_TEST(test_a_held_group_stays_red_and_nothing_else_is_held);
     RUN_TEST(test_every_change_of_every_site_takes_just_as_long_as_its_intergreens);
     RUN_TEST(test_every_change_there_and_back_keeps_its_bound);
     return UNITY_END();

@@ -22,11 +22,15 @@ static elmopp_junction_t junction;
 static elmopp_plan_t plan;
 static plan_oracle_t oracle;
 static uint64_t seed;
+static bool occupied;           ///< the junction
+static uint32_t occupied_every; ///< ticks, until that changes
 
 void setUp(void) {}
 void tearDown(void) {}
 
 static void restart(void) {
+    occupied = false;
+    occupied_every = 50U;
     elmopp_plan_init(&plan, &junction);
     plan_oracle_init(&oracle, &junction);
 }
@@ -38,8 +42,9 @@ static void begin(const elmopp_junction_t *site, uint64_t new_seed) {
 }
 
 static void tick(elmopp_stage_t wanted, uint32_t demand) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand);
-    if (!plan_oracle_judge(&oracle, wanted, demand, lamps, &plan)) {
+    occupied = (random_below(&seed, occupied_every) == 0U) ? !occupied : occupied;
+    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand, occupied);
+    if (!plan_oracle_judge(&oracle, wanted, demand, occupied, lamps, &plan)) {
         TEST_FAIL_MESSAGE(oracle.complaint);
     }
 }
@@ -106,6 +111,7 @@ static void wander(uint32_t ticks) {
     static const uint32_t calm[3] = {1U, 60U, 900U};
     const uint32_t wish_every = calm[random_below(&seed, 3U)];
     const uint32_t demand_every = calm[random_below(&seed, 3U)];
+    occupied_every = calm[random_below(&seed, 3U)];
     elmopp_stage_t wanted = random_wish();
     uint32_t demand = random_demand();
     for (uint32_t i = 0U; i < ticks; i++) {
@@ -148,6 +154,7 @@ static void draw_times(void) {
             junction.intergreen_ds[g][h] = conflict ? random_between(&seed, least_ds, least_ds + 40U) : (uint16_t)0U;
         }
     }
+    junction.junction_wait_ds = (uint16_t)random_below(&seed, ELMOPP_SITE_JUNCTION_WAIT_MAX_DS + 1U);
     junction.red_bound_ds =
         (uint16_t)(elmopp_site_red_bound_min_ds(&junction) + random_below(&seed, 3U) * random_below(&seed, 600U));
     for (uint32_t p = 0U; p < junction.program_count; p++) {
@@ -166,14 +173,17 @@ static void draw_times(void) {
 
 static void test_every_site_with_random_times_keeps_all_rules(void) {
     uint32_t rescued = 0U;
+    uint32_t waits = 0U;
     for (uint32_t i = 0U; i < TEST_SITE_COUNT * SEEDS_OF_RANDOM_TIMES; i++) {
         begin(test_sites[i % TEST_SITE_COUNT], 2000U + i);
         draw_times();
         wander_and_hold(TICKS_OF_RANDOM_TIMES);
         TEST_ASSERT_TRUE_MESSAGE((oracle.forced + oracle.rescued) > 10U, "the test never met a limit");
+        waits += oracle.waits;
         rescued += oracle.rescued;
     }
-    TEST_ASSERT_TRUE_MESSAGE(rescued > 100U, "the test never met the bound on red");
+    TEST_ASSERT_TRUE_MESSAGE(rescued > (25U * SEEDS_OF_RANDOM_TIMES), "the test never met the bound on red");
+    TEST_ASSERT_TRUE_MESSAGE(waits > (250U * SEEDS_OF_RANDOM_TIMES), "the test hardly met an occupied junction");
 }
 
 /* The largest junction there can be, all groups in conflict. */

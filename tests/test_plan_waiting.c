@@ -45,7 +45,7 @@ void setUp(void) {
 void tearDown(void) {}
 
 static void tick(elmopp_stage_t wanted, uint32_t waiting_movements) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, waiting_movements);
+    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, waiting_movements, false);
     for (uint32_t j = 0U; j < MOVEMENTS; j++) {
         const bool goes = elmopp_junction_goes(&junction, j, lamps.green);
         red_ds[j] = goes ? (uint16_t)0U : (uint16_t)(red_ds[j] + 1U);

@@ -21,16 +21,20 @@
 #ifndef DECISIONS /* fewer on the emulated board */
 #define DECISIONS 20000U
 #define RANDOM_JUNCTIONS 60U
+#define OCCUPIED_DECISIONS 2000U
 #endif
 #define DECISIONS_OF_ALL 1000000U
 #define SETTLE_LIMIT 3000U
-#define NOBODY 2U ///< a mood of hostile_demand()
+#define NOBODY 2U          ///< a mood of hostile_demand()
+#define OCCUPIED_TICKS 40U ///< until the junction fills or empties, on average
 
 static elmopp_junction_t junction;
 static elmopp_plan_t plan;
 static elmopp_monitor_t monitor;
 static plan_oracle_t oracle;
 static uint64_t seed;
+static uint64_t box_seed; ///< of its own: who stands in the junction changes nothing else that is drawn
+static bool occupied;
 static bool everything;
 static uint64_t ticks_judged;
 
@@ -39,7 +43,8 @@ void tearDown(void) {}
 
 /* The lamps report what they were told a tick ago. */
 static void tick(elmopp_stage_t wanted, uint32_t demand) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand);
+    occupied = (random_below(&box_seed, OCCUPIED_TICKS) == 0U) ? !occupied : occupied;
+    const elmopp_lamps_t lamps = elmopp_plan_step(&plan, wanted, demand, occupied);
     const elmopp_monitor_input_t input = {
         .command = lamps, .measured = monitor.last, .fresh = UINT16_MAX, .mode = ELMOPP_MODE_AUTOMATIC};
     if (elmopp_monitor_check(&monitor, &input) != ELMOPP_FAULT_NONE) {
@@ -48,7 +53,7 @@ static void tick(elmopp_stage_t wanted, uint32_t demand) {
                        elmopp_fault_name(monitor.first), (unsigned)monitor.first_group);
         TEST_FAIL_MESSAGE(message);
     }
-    if (!plan_oracle_judge(&oracle, wanted, demand, lamps, &plan)) {
+    if (!plan_oracle_judge(&oracle, wanted, demand, occupied, lamps, &plan)) {
         TEST_FAIL_MESSAGE(oracle.complaint);
     }
     ticks_judged++;
@@ -203,6 +208,7 @@ static void draw_junction(void) {
         draw_conflicts();
         drawn = draw_stages();
     }
+    junction.junction_wait_ds = (uint16_t)random_below(&box_seed, ELMOPP_SITE_JUNCTION_WAIT_MAX_DS + 1U);
     draw_rescue();
     const elmopp_site_verdict_t verdict = elmopp_site_check(&junction);
     TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_OK, verdict.fault);
@@ -312,6 +318,23 @@ static void test_no_chooser_whatever_it_answers_breaks_a_rule_or_the_bound_on_re
         restart();
         decide_hostilely(everything ? (2U * DECISIONS_OF_ALL) : DECISIONS);
         report_hostility();
+    }
+}
+
+/* The longest wait there may be, in streets whose bounds have just room for it. */
+static void test_no_chooser_breaks_the_bound_on_red_of_a_junction_that_is_often_occupied(void) {
+    seed = 5U;
+    for (uint32_t i = 0U; i < TEST_SITE_COUNT; i++) {
+        start(test_sites[i]);
+        if (junction.simulation_only == 0U) {
+            junction.junction_wait_ds = ELMOPP_SITE_JUNCTION_WAIT_MAX_DS;
+            junction.red_bound_ds = (uint16_t)elmopp_site_red_bound_min_ds(&junction);
+            TEST_ASSERT_EQUAL_INT(ELMOPP_SITE_OK, elmopp_site_check(&junction).fault);
+            restart();
+            decide_hostilely(everything ? DECISIONS_OF_ALL : OCCUPIED_DECISIONS);
+            report_hostility();
+            TEST_ASSERT_TRUE_MESSAGE(oracle.waits > 100U, "the test hardly met an occupied junction");
+        }
     }
 }
 
@@ -430,6 +453,7 @@ int main(int argc, char **argv) {
     RUN_TEST(test_every_pair_of_every_site_with_a_change_of_mind_at_every_tick);
     RUN_TEST(test_random_junctions_with_a_change_of_mind_at_every_tick);
     RUN_TEST(test_no_chooser_whatever_it_answers_breaks_a_rule_or_the_bound_on_red);
+    RUN_TEST(test_no_chooser_breaks_the_bound_on_red_of_a_junction_that_is_often_occupied);
     RUN_TEST(test_random_junctions_keep_their_bound_on_red_under_a_hostile_chooser);
     RUN_TEST(test_lamps_that_nobody_planned_pass_only_where_they_are_safe);
     (void)printf("%llu ticks judged\n", (unsigned long long)ticks_judged);

@@ -203,6 +203,19 @@ static void test_a_start_takes_ten_minutes_of_each_at_most(void) {
     check_start_time(&site.start_red_ds);
 }
 
+static void test_a_change_waits_ten_seconds_for_the_junction_at_most(void) {
+    site.red_bound_ds = 0U;
+    site.simulation_only = 1U;
+    for (uint32_t wait_ds = 0U; wait_ds <= UINT16_MAX; wait_ds++) {
+        site.junction_wait_ds = (uint16_t)wait_ds;
+        if (wait_ds <= ELMOPP_SITE_JUNCTION_WAIT_MAX_DS) {
+            expect_ok();
+        } else {
+            expect(ELMOPP_SITE_WAIT, 0U, 0U);
+        }
+    }
+}
+
 static void test_detectors_may_have_any_limits(void) {
     site.no_activity_min = 255U;
     site.max_presence_min = 255U;
@@ -886,6 +899,7 @@ static void break_everything(void) {
     site.movement[0].approach = 3U;
     site.movement[1].approach = 3U;
     site.movement[2].approach = 3U;
+    site.junction_wait_ds = 101U;
     site.first_stage = 77U;
     site.hold_min_s = 0U;
     site.name[0] = '\0';
@@ -902,6 +916,8 @@ static void test_the_first_fault_in_the_order_of_the_list_is_told(void) {
     site.hold_min_s = 1U;
     expect(ELMOPP_SITE_START, 0U, 0U);
     site.first_stage = 0U;
+    expect(ELMOPP_SITE_WAIT, 0U, 0U);
+    site.junction_wait_ds = 0U;
     expect(ELMOPP_SITE_APPROACH, 3U, 0U);
     site.movement[1].approach = 0U;
     expect(ELMOPP_SITE_MOVEMENT, 0U, 0U);
@@ -936,6 +952,7 @@ int main(void) {
     RUN_TEST(test_the_first_stage_exists);
     RUN_TEST(test_cameras_look_at_approaches_that_exist);
     RUN_TEST(test_a_start_takes_ten_minutes_of_each_at_most);
+    RUN_TEST(test_a_change_waits_ten_seconds_for_the_junction_at_most);
     RUN_TEST(test_detectors_may_have_any_limits);
     RUN_TEST(test_codes_are_known);
     RUN_TEST(test_greenshields_needs_a_free_flow_up_to_100);

@@ -23,6 +23,7 @@
 #define CYCLES_LOST 3U
 #define CAMERA_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_DETECTOR_COUNTS_CYCLE_TIME_MS) / MS_PER_DS)
 #define FEEDBACK_TIMEOUT_DS (((CYCLES_LOST * ELMOPP_CAN_LAMP_FEEDBACK_CYCLE_TIME_MS) / MS_PER_DS) + 2U)
+#define JUNCTION_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_JUNCTION_OCCUPIED_CYCLE_TIME_MS) / MS_PER_DS)
 #define COMMAND_TIMEOUT_DS 100U /* a person; after a pause any counter is good */
 
 /* --- continuous diagnosis --- */
@@ -73,6 +74,7 @@ static void init_bus(elmopp_bus_t *bus, const elmopp_junction_t *junction) {
     for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
         elmopp_link_init(&bus->node[n]);
     }
+    elmopp_link_init(&bus->junction_camera);
     elmopp_link_init(&bus->command);
     bus->used_nodes = elmopp_junction_nodes(junction);
 }
@@ -204,6 +206,11 @@ static void take_counts(elmopp_controller_t *self, uint32_t approach, const elmo
     elmopp_detector_take(&self->detector, approach, report, reason);
 }
 
+static void take_occupancy(elmopp_controller_t *self, const elmopp_frame_t *frame) {
+    const elmopp_occupancy_t occupancy = elmopp_frames_occupancy(frame);
+    self->bus.occupied = occupancy.valid && occupancy.occupied;
+}
+
 static bool take_command(elmopp_controller_t *self, const elmopp_frame_t *frame) {
     uint32_t argument = 0U;
     const elmopp_request_t request = elmopp_frames_command(frame, &argument);
@@ -231,6 +238,11 @@ bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *fra
         taken = is_believed(&self->bus.node[node], frame, FEEDBACK_TIMEOUT_DS);
         if (taken) {
             take_feedback(self, node, frame);
+        }
+    } else if ((frame->id == ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID) && (self->junction->junction_wait_ds > 0U)) {
+        taken = is_believed(&self->bus.junction_camera, frame, JUNCTION_TIMEOUT_DS);
+        if (taken) {
+            take_occupancy(self, frame);
         }
     } else if (frame->id == ELMOPP_CAN_COMMAND_FRAME_ID) {
         taken = is_believed(&self->bus.command, frame, COMMAND_TIMEOUT_DS) && take_command(self, frame);
@@ -280,6 +292,7 @@ static void age_links(elmopp_bus_t *bus) {
     for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
         elmopp_link_tick(&bus->node[n]);
     }
+    elmopp_link_tick(&bus->junction_camera);
     elmopp_link_tick(&bus->command);
 }
 
@@ -421,10 +434,15 @@ static elmopp_stage_t wanted_stage(elmopp_controller_t *self) {
     return wanted;
 }
 
+/* Only what is known now: a camera that has fallen silent keeps nobody waiting. */
+static bool is_occupied(const elmopp_controller_t *self) {
+    return self->bus.occupied && elmopp_link_fresh(&self->bus.junction_camera, JUNCTION_TIMEOUT_DS);
+}
+
 static elmopp_lamps_t lamps_of_mode(elmopp_controller_t *self) {
     elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
     if (elmopp_mode_is_steady(self->mode)) {
-        lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted_stage(self));
+        lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted_stage(self), is_occupied(self));
     } else if (self->mode != ELMOPP_MODE_DARK) {
         lamps = elmopp_lamps_flashing(self->junction, all_groups(self->junction));
     } else {

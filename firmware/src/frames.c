@@ -134,6 +134,13 @@ elmopp_feedback_t elmopp_frames_feedback(const elmopp_frame_t *frame) {
     return feedback;
 }
 
+elmopp_occupancy_t elmopp_frames_occupancy(const elmopp_frame_t *frame) {
+    struct elmopp_can_junction_occupied_t signals;
+    check_read(elmopp_can_junction_occupied_unpack(&signals, frame->data, sizeof frame->data));
+    return (elmopp_occupancy_t){
+        .occupied = signals.occupied != 0U, .valid = signals.valid != 0U, .reason = signals.reason};
+}
+
 elmopp_request_t elmopp_frames_command(const elmopp_frame_t *frame, uint32_t *argument) {
     struct elmopp_can_command_t signals;
     check_read(elmopp_can_command_unpack(&signals, frame->data, sizeof frame->data));
@@ -190,6 +197,14 @@ elmopp_frame_t elmopp_frames_make_feedback(uint32_t node, const elmopp_feedback_
     };
     elmopp_frame_t frame = empty(ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID + node);
     check_written(elmopp_can_lamp_feedback_pack(frame.data, &signals, sizeof frame.data));
+    return frame;
+}
+
+elmopp_frame_t elmopp_frames_make_occupancy(const elmopp_occupancy_t *occupancy) {
+    const struct elmopp_can_junction_occupied_t signals = {
+        .occupied = digit(occupancy->occupied), .valid = digit(occupancy->valid), .reason = occupancy->reason};
+    elmopp_frame_t frame = empty(ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID);
+    check_written(elmopp_can_junction_occupied_pack(frame.data, &signals, sizeof frame.data));
     return frame;
 }
 

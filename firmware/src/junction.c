@@ -94,5 +94,5 @@ uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction) {
         green_ds = longer(green_ds, junction->group[g].min_green_ds);
         clear_ds = longer(clear_ds, clearance_ds(junction, g));
     }
-    return green_ds + clear_ds + CHANGE_TICKS;
+    return green_ds + clear_ds + junction->junction_wait_ds + CHANGE_TICKS;
 }

@@ -141,8 +141,8 @@ bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, cons
     return true;
 }
 
-elmopp_lamps_t elmopp_pilot_lamp_tick(elmopp_pilot_t *self, elmopp_stage_t wanted) {
-    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, wanted, self->waiting);
+elmopp_lamps_t elmopp_pilot_lamp_tick(elmopp_pilot_t *self, elmopp_stage_t wanted, bool occupied) {
+    const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, wanted, self->waiting, occupied);
     if (self->plan.forced) {
         self->wanted = self->plan.target; /* the wish is older than the force */
     }

@@ -72,6 +72,10 @@ elmopp_plan_group_t elmopp_plan_start(const elmopp_junction_t *junction,
     return next;
 }
 
+elmopp_plan_group_t elmopp_plan_hold(elmopp_plan_group_t ended, elmopp_plan_group_t started, bool held) {
+    return (held && (ended.aspect == ELMOPP_ASPECT_RED)) ? ended : started;
+}
+
 elmopp_plan_group_t elmopp_plan_older(elmopp_plan_group_t started, bool contested) {
     const bool green = started.aspect == ELMOPP_ASPECT_GREEN;
     const bool goes_on = green && (contested || (started.contested_ds > 0U));
@@ -200,6 +204,7 @@ static bool rests(const elmopp_plan_t *self) {
 
 /* The next target of a plan that shows its last one. */
 static void retarget(elmopp_plan_t *self, elmopp_stage_t wanted) {
+    self->waited_ds = 0U; /* no change is under way */
     elmopp_stage_t overruling = rescue(self);
     if (overruling == ELMOPP_STAGE_NONE) {
         overruling = relief(self);
@@ -222,18 +227,24 @@ static uint16_t target_groups(const elmopp_plan_t *self) {
     return (self->target == ELMOPP_STAGE_NONE) ? (uint16_t)0U : self->junction->stage_groups[self->target];
 }
 
-static void move_groups(elmopp_plan_t *self, uint16_t wanted) {
+static void move_groups(elmopp_plan_t *self, uint16_t wanted, bool occupied) {
     const elmopp_junction_t *junction = self->junction;
     const uint16_t kept = target_groups(self);
+    const bool held = occupied && (self->waited_ds < junction->junction_wait_ds);
+    bool waits = false;
     elmopp_plan_group_t ended[ELMOPP_GROUP_MAX];
     (void)memcpy(ended, self->group, sizeof ended);
     for (uint32_t g = 0U; g < junction->group_count; g++) {
         ended[g] = elmopp_plan_end(&junction->group[g], self->group[g], elmopp_mask_has(kept, g));
     }
     for (uint32_t g = 0U; g < junction->group_count; g++) {
-        const elmopp_plan_group_t started = elmopp_plan_start(junction, ended, g, elmopp_mask_has(kept, g));
+        const elmopp_plan_group_t free = elmopp_plan_start(junction, ended, g, elmopp_mask_has(kept, g));
+        const elmopp_plan_group_t started = elmopp_plan_hold(ended[g], free, held);
         self->group[g] = elmopp_plan_older(started, (junction->conflict[g] & wanted) != 0U);
+        waits = waits || (started.aspect != free.aspect);
     }
+    /* Only a tick that cost somebody his start counts: the whole wait is left when the clearance has run out. */
+    self->waited_ds = waits ? older(self->waited_ds) : self->waited_ds;
 }
 
 static elmopp_lamps_t lamps_of(const elmopp_plan_t *self) {
@@ -244,14 +255,14 @@ static elmopp_lamps_t lamps_of(const elmopp_plan_t *self) {
     return lamps;
 }
 
-elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, uint32_t demand) {
+elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, uint32_t demand, bool occupied) {
     ELMOPP_ASSERT((wanted == ELMOPP_STAGE_NONE) || (wanted == ELMOPP_STAGE_RED) ||
                   (wanted < self->junction->stage_count));
     note_demand(self, wanted != ELMOPP_STAGE_RED, demand);
     if (self->settled) {
         retarget(self, wanted);
     }
-    move_groups(self, wanted_groups(self));
+    move_groups(self, wanted_groups(self), occupied);
     const elmopp_lamps_t lamps = lamps_of(self);
     self->settled = (lamps.green == target_groups(self)) && (lamps.amber == 0U);
     const elmopp_stage_t stage = self->settled ? self->target : (elmopp_stage_t)ELMOPP_STAGE_NONE;

@@ -95,7 +95,10 @@ elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction
     if (!hold) {
         return fault(ELMOPP_SITE_HOLD, 0U, 0U);
     }
-    return verdict_of(start_fits(junction), ELMOPP_SITE_START, 0U, 0U);
+    if (!start_fits(junction)) {
+        return fault(ELMOPP_SITE_START, 0U, 0U);
+    }
+    return verdict_of(junction->junction_wait_ds <= ELMOPP_SITE_JUNCTION_WAIT_MAX_DS, ELMOPP_SITE_WAIT, 0U, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_approach(const elmopp_junction_t *junction, uint32_t approach) {

@@ -17,8 +17,11 @@
 
 static bench_t bench;
 
+#define JUNCTION_CAMERA 250U /* from this choice on; apart, so that the corpus keeps its other ids */
+
 static elmopp_junction_t any_site(uint8_t choice) {
     elmopp_junction_t junction = bench_cross(2U + (choice % 3U));
+    junction.junction_wait_ds = ((choice % 4U) == 3U) ? (uint16_t)50U : (uint16_t)0U;
     if ((choice >= 128U) && (test_sites[choice % TEST_SITE_COUNT]->simulation_only == 0U)) {
         junction = *test_sites[choice % TEST_SITE_COUNT];
     }
@@ -39,7 +42,8 @@ static uint16_t any_id(fuzz_input_t *input) {
                                    0x180U,
                                    0x190U,
                                    0x097U};
-    return ids[fuzz_byte(input) % (sizeof ids / sizeof ids[0])];
+    const uint8_t choice = fuzz_byte(input);
+    return (choice >= JUNCTION_CAMERA) ? (uint16_t)0x110U : ids[choice % (sizeof ids / sizeof ids[0])];
 }
 
 static void fill(fuzz_input_t *input, elmopp_frame_t *frame) {
@@ -56,6 +60,8 @@ static uint8_t *counter_of(uint16_t id) {
         counter = &bench.command_counter;
     } else if ((id & 0x7F8U) == 0x100U) {
         counter = &bench.camera_counter[id & 7U];
+    } else if (id == 0x110U) {
+        counter = &bench.occupancy_counter;
     } else if ((id & 0x7F8U) == 0x090U) {
         counter = &bench.node_counter[id & 7U];
     } else {

@@ -19,7 +19,7 @@
 #define CANARY 0xA5
 #define TICKS 400U
 #define TICKS_OF_A_WISH 37U
-#define VERSION 2U
+#define VERSION 3U
 
 static void drive(const elmopp_junction_t *junction) {
     elmopp_plan_t plan;
@@ -29,7 +29,7 @@ static void drive(const elmopp_junction_t *junction) {
     for (uint32_t i = 0U; i < TICKS; i++) {
         const uint32_t turn = (i / TICKS_OF_A_WISH) % junction->stage_count;
         const elmopp_stage_t wanted = (i == 0U) ? (elmopp_stage_t)ELMOPP_STAGE_RED : (elmopp_stage_t)turn;
-        const elmopp_monitor_input_t input = {.command = elmopp_plan_step(&plan, wanted, UINT32_MAX),
+        const elmopp_monitor_input_t input = {.command = elmopp_plan_step(&plan, wanted, UINT32_MAX, (i % 2U) == 0U),
                                               .measured = monitor.last,
                                               .fresh = UINT16_MAX,
                                               .mode = ELMOPP_MODE_AUTOMATIC};

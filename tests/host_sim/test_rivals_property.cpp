@@ -94,7 +94,7 @@ std::vector<std::uint32_t> lamps_of(const ChooserSpec &spec, const elmopp_juncti
         TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &counts, nullptr));
         elmopp_lamps_t shown{};
         for (unsigned tick = 0; tick < ELMOPP_LAMP_TICKS_PER_S; ++tick) {
-            shown = elmopp_pilot_lamp_tick(&pilot, pilot.wanted);
+            shown = elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
         }
         lamps.push_back((std::uint32_t{shown.green} << 16U) | shown.amber);
     }

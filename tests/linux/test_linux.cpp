@@ -110,6 +110,28 @@ void test_what_is_wrong_is_said() {
     expect(view, bench.now_ms, {"(node flashes by itself)"});
 }
 
+void test_the_junction_camera_is_told_of_where_somebody_listens() {
+    elmopp_junction_t site = three_groups();
+    JunctionView deaf(site);
+    start(site, deaf);
+    TEST_ASSERT_FALSE(has(deaf.lines(bench.now_ms), "junction "));
+    site.junction_wait_ds = 50;
+    site.red_bound_ds = 2000;
+    JunctionView view(site);
+    start(site, view);
+    expect(view, bench.now_ms, {"junction    camera silent"});
+    bench.junction_seen = true;
+    bench.occupancy = {true, true, 0};
+    bench_ticks(&bench, 4);
+    expect(view, bench.now_ms, {"junction    occupied"});
+    bench.occupancy = {false, true, 0};
+    bench_ticks(&bench, 4);
+    expect(view, bench.now_ms, {"junction    clear"});
+    bench.occupancy = {true, false, 6};
+    bench_ticks(&bench, 4);
+    expect(view, bench.now_ms, {"junction    camera covered"});
+}
+
 void test_spoilt_frames_are_counted_and_change_nothing() {
     const elmopp_junction_t site = three_groups();
     JunctionView view(site);
@@ -224,6 +246,7 @@ int main() {
     RUN_TEST(test_nobody_on_the_bus_is_silence);
     RUN_TEST(test_a_running_junction_reads_as_english);
     RUN_TEST(test_what_is_wrong_is_said);
+    RUN_TEST(test_the_junction_camera_is_told_of_where_somebody_listens);
     RUN_TEST(test_spoilt_frames_are_counted_and_change_nothing);
     RUN_TEST(test_a_flood_is_taken_in_pieces_and_in_order);
     RUN_TEST(test_breakages_are_read_and_others_refused);

@@ -62,12 +62,13 @@ static inline bool may_follow(const elmopp_group_t *site, uint32_t intergreen_ds
     return in_time ? green : (is_same(own, next) || (from_red && ((site->red_amber_ds > 0U) ? red_amber : green)));
 }
 
-/// A change that takes so long holds a group's minimum green and what must pass until others start after it, and the
-/// tick in which it begins.
-static inline bool is_no_longer(const elmopp_group_t *site, uint32_t intergreen_ds, uint32_t change_ds) {
+/// A change that takes so long holds a group's minimum green and what must pass until others start after it, the wait
+/// for an occupied junction, and the tick in which it begins.
+static inline bool is_no_longer(const elmopp_group_t *site, uint32_t intergreen_ds, uint32_t wait_ds,
+                                uint32_t change_ds) {
     const uint32_t lamps_ds = (uint32_t)site->amber_ds + site->red_amber_ds;
     const uint32_t clear_ds = (intergreen_ds > lamps_ds) ? intergreen_ds : lamps_ds;
-    return (site->min_green_ds + clear_ds + 1U) < change_ds;
+    return (site->min_green_ds + clear_ds + wait_ds + 1U) < change_ds;
 }
 
 /// The monitor has seen what the plan has shown of this group.

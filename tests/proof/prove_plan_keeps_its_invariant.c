@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// Whatever state the plan is in that it can reach, whatever is wished and changed in every tick: after one tick any
-/// two conflicting groups are again not both off red, and a start has its intergreen. With prove_plan_starts_apart this
-/// is unbounded time. Of elmopp_plan_start() only what prove_plan_starts_only_when_clear has claimed is used, and of
-/// the other groups nothing: they can only keep these two from starting.
+/// Whatever state the plan is in that it can reach, whatever is wished, changed and held in every tick: after one tick
+/// any two conflicting groups are again not both off red, and a start has its intergreen. With prove_plan_starts_apart
+/// this is unbounded time. Of elmopp_plan_start() only what prove_plan_starts_only_when_clear has claimed is used, and
+/// of the other groups nothing: they can only keep these two from starting.
 
 #include "invariant.h"
 
@@ -41,8 +41,9 @@ void harness(void) {
     const elmopp_plan_group_t ended_h = elmopp_plan_end(&site_h, before_h, keep_h);
     const elmopp_plan_group_t started_g = any_started(&site_g, from_h_to_g_ds, ended_g, ended_h, keep_g);
     const elmopp_plan_group_t started_h = any_started(&site_h, from_g_to_h_ds, ended_h, ended_g, keep_h);
-    const elmopp_plan_group_t after_g = elmopp_plan_older(started_g, nondet_bool());
-    const elmopp_plan_group_t after_h = elmopp_plan_older(started_h, nondet_bool());
+    const bool held = nondet_bool();
+    const elmopp_plan_group_t after_g = elmopp_plan_older(elmopp_plan_hold(ended_g, started_g, held), nondet_bool());
+    const elmopp_plan_group_t after_h = elmopp_plan_older(elmopp_plan_hold(ended_h, started_h, held), nondet_bool());
 
     CLAIM(group_is_consistent(&site_g, &after_g) && group_is_consistent(&site_h, &after_h), "groups stay consistent");
     CLAIM(is_apart(&site_g, from_h_to_g_ds, after_g, after_h), "a pair stays apart");

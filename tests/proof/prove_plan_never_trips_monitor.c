@@ -33,8 +33,10 @@ void harness(void) {
         }
         ended[h] = elmopp_plan_end(&junction.group[h], before[h], has(kept, h));
     }
+    const bool held = nondet_bool();
     for (uint32_t h = 0U; h < junction.group_count; h++) {
-        after[h] = elmopp_plan_older(elmopp_plan_start(&junction, ended, h, has(kept, h)), nondet_bool());
+        const elmopp_plan_group_t started = elmopp_plan_start(&junction, ended, h, has(kept, h));
+        after[h] = elmopp_plan_older(elmopp_plan_hold(ended[h], started, held), nondet_bool());
         /* prove_plan_keeps_its_invariant */
         ASSUME((!has(junction.conflict[g], h)) || pair_holds(&junction, after, g, h));
     }

@@ -4,7 +4,8 @@
 /// A plan that has shown its last target shows the next one within elmopp_junction_change_ds(): a measure of what is
 /// left, in lamp ticks, is below that at first (PART 2), falls with every tick, of any group against any that conflicts
 /// with it (PART 0) and of a group among all others (PART 1), and none is left but of a group that shows what the
-/// target asks for. Meanwhile the target stays: elmopp_plan_step() looks for another only when it is shown. Of
+/// target asks for. A tick in which a start is held for an occupied junction takes one of the wait's instead. Meanwhile
+/// the target stays: elmopp_plan_step() looks for another only when it is shown. Of
 /// elmopp_plan_start() PART 0 uses what prove_plan_starts_only_when_clear has claimed.
 
 #include "invariant.h"
@@ -68,7 +69,7 @@ static void pair_falls(const elmopp_junction_t *junction, uint32_t budget_ds) {
     const elmopp_plan_group_t ended = elmopp_plan_end(&site_h, before, false);
     const elmopp_plan_group_t started = nondet_group();
     ASSUME(may_follow(&site_h, junction->intergreen_ds[g][h], ended, other, false, started));
-    const elmopp_plan_group_t after = elmopp_plan_older(started, nondet_bool());
+    const elmopp_plan_group_t after = elmopp_plan_older(elmopp_plan_hold(ended, started, nondet_bool()), nondet_bool());
 
     CLAIM(is_on_its_way(after, false), "a group that the target does not hold does not start");
     CLAIM(until_red_ds(&site_h, after) < budget_ds, "it comes nearer to red");
@@ -93,13 +94,15 @@ static void group_falls(const elmopp_junction_t *junction) {
                is_clear_of(&junction->group[g], junction->intergreen_ds[h][g], ended[h]));
     }
 
-    const elmopp_plan_group_t started = elmopp_plan_start(junction, ended, g, true);
+    const elmopp_plan_group_t free = elmopp_plan_start(junction, ended, g, true);
+    const elmopp_plan_group_t started = elmopp_plan_hold(ended[g], free, nondet_bool());
+    const bool waits = started.aspect != free.aspect; /* at most junction_wait_ds times: prove_plan_wait_ends */
     const elmopp_plan_group_t after = elmopp_plan_older(started, nondet_bool());
 
     const uint32_t was_ds = until_green_ds(&site, before);
     const uint32_t is_ds = until_green_ds(&site, after);
     CLAIM(is_on_its_way(after, true), "a group that the target holds does not end");
-    CLAIM(hindered || (was_ds == 0U) || (is_ds < was_ds), "it comes nearer to green unless hindered");
+    CLAIM(hindered || waits || (was_ds == 0U) || (is_ds < was_ds), "it comes nearer to green unless hindered or held");
     CLAIM(is_ds <= was_ds, "it never goes away from green");
     CLAIM((is_ds > 0U) || (after.aspect == ELMOPP_ASPECT_GREEN), "nothing is left: it is green");
 }
@@ -116,11 +119,13 @@ static void change_suffices(const elmopp_junction_t *junction) {
     ASSUME((group.aspect == ELMOPP_ASPECT_GREEN) || (group.aspect == ELMOPP_ASPECT_RED));
     /* elmopp_junction_change_ds() is a maximum over all groups and pairs: test_junction */
     const uint32_t change_ds = nondet_u32();
-    ASSUME(is_no_longer(&site_g, 0U, change_ds) && is_no_longer(&site_h, intergreen_ds, change_ds));
+    const uint32_t wait_ds = junction->junction_wait_ds;
+    ASSUME(is_no_longer(&site_g, 0U, wait_ds, change_ds) && is_no_longer(&site_h, intergreen_ds, wait_ds, change_ds));
     CLAIM(is_on_its_way(group, nondet_bool()), "no change is under way");
-    CLAIM(until_red_ds(&site_h, group) < change_ds, "a change is enough for red");
-    CLAIM(until_green_ds(&site_g, group) < change_ds, "a change is enough for green");
-    CLAIM((!has(junction->conflict[g], h)) || (until_clear_ds(&site_g, &site_h, intergreen_ds, group) < change_ds),
+    CLAIM((until_red_ds(&site_h, group) + wait_ds) < change_ds, "a change is enough for red");
+    CLAIM((until_green_ds(&site_g, group) + wait_ds) < change_ds, "a change is enough for green");
+    CLAIM((!has(junction->conflict[g], h)) ||
+              ((until_clear_ds(&site_g, &site_h, intergreen_ds, group) + wait_ds) < change_ds),
           "a change is enough to clear the junction");
 }
 

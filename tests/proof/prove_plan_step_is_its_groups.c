@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// One tick of the plan moves every group by its three pure functions, each called once, on the state before the tick
-/// and on one snapshot of all ends, with the target's and the waiting groups' own bits; and its lamps are those of the
-/// groups. The loops add nothing. The three functions are replaced by others that look at what they are given and
-/// answer anything.
+/// One tick of the plan moves every group by its four pure functions, each called once, on the state before the tick
+/// and on one snapshot of all ends, with the target's and the waiting groups' own bits and one word on the wait for
+/// all; and its lamps are those of the groups. The loops add nothing. The four functions are replaced by others that
+/// look at what they are given and answer anything.
 
 #include "plan.c"
 
@@ -16,15 +16,17 @@ elmopp_plan_group_t nondet_group(void);
 elmopp_plan_group_t watched_end(const elmopp_group_t *site, elmopp_plan_group_t before, bool keep);
 elmopp_plan_group_t watched_start(const elmopp_junction_t *junction, const elmopp_plan_group_t ended[ELMOPP_GROUP_MAX],
                                   uint32_t g, bool keep);
+elmopp_plan_group_t watched_hold(elmopp_plan_group_t ended, elmopp_plan_group_t started, bool held);
 elmopp_plan_group_t watched_older(elmopp_plan_group_t started, bool contested);
 
 static elmopp_junction_t site;
 static elmopp_plan_group_t before_g;
 static uint32_t kept;
 static uint16_t waiting;
-static uint32_t own;                ///< one group, any
-static uint32_t calls[3];           ///< of the three functions
-static elmopp_plan_group_t made[3]; ///< by them, of the one group
+static uint32_t own; ///< one group, any
+static bool held_now;
+static uint32_t calls[4];           ///< of the four functions
+static elmopp_plan_group_t made[4]; ///< by them, of the one group
 
 static elmopp_plan_group_t anything(void) {
     const elmopp_plan_group_t group = nondet_group();
@@ -48,12 +50,19 @@ elmopp_plan_group_t watched_start(const elmopp_junction_t *junction, const elmop
     return (g == own) ? made[1] : anything();
 }
 
-elmopp_plan_group_t watched_older(elmopp_plan_group_t started, bool contested) {
+elmopp_plan_group_t watched_hold(elmopp_plan_group_t ended, elmopp_plan_group_t started, bool held) {
     const uint32_t call = calls[2]++;
-    CLAIM(calls[1] == calls[2], "a group grows older as it has started");
-    CLAIM((call != own) || (is_same(started, made[1]) && (contested == ((site.conflict[own] & waiting) != 0U))),
-          "a group's contest is its own");
+    CLAIM((calls[1] == calls[2]) && (held == held_now), "each start is held or not as all are");
+    CLAIM((call != own) || (is_same(ended, made[0]) && is_same(started, made[1])), "a wait is given its own group");
     return (call == own) ? made[2] : anything();
+}
+
+elmopp_plan_group_t watched_older(elmopp_plan_group_t started, bool contested) {
+    const uint32_t call = calls[3]++;
+    CLAIM(calls[2] == calls[3], "a group grows older as it has started");
+    CLAIM((call != own) || (is_same(started, made[2]) && (contested == ((site.conflict[own] & waiting) != 0U))),
+          "a group's contest is its own");
+    return (call == own) ? made[3] : anything();
 }
 
 void harness(void) {
@@ -66,14 +75,16 @@ void harness(void) {
     before_g = plan.group[own];
     kept = (plan.target == ELMOPP_STAGE_NONE) ? 0U : site.stage_groups[plan.target];
     waiting = nondet_u16();
-    for (uint32_t i = 0U; i < 3U; i++) {
+    const bool occupied = nondet_bool();
+    held_now = occupied && (plan.waited_ds < site.junction_wait_ds);
+    for (uint32_t i = 0U; i < 4U; i++) {
         calls[i] = 0U;
         made[i] = anything();
     }
 
-    move_groups(&plan, waiting);
-    CLAIM(calls[2] == site.group_count, "every group is moved");
-    CLAIM(is_same(plan.group[own], made[2]), "a group is what its functions made of it");
+    move_groups(&plan, waiting, occupied);
+    CLAIM(calls[3] == site.group_count, "every group is moved");
+    CLAIM(is_same(plan.group[own], made[3]), "a group is what its functions made of it");
 
     const elmopp_lamps_t lamps = lamps_of(&plan);
     const elmopp_lamps_t shown = lamps_shown(plan.group, site.group_count);

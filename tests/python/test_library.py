@@ -7,6 +7,7 @@ import ctypes
 import os
 import re
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -88,6 +89,25 @@ def test_whoever_calls_may_choose_for_himself() -> None:
                 for _ in range(10):
                     junction.tick(stage)
             assert junction.stage == junction.target == stage
+
+
+def ticks_until(stage: int, *, occupied: bool) -> int:
+    """From all red, with a site whose changes wait 4 s at most."""
+    site = image_bytes(replace(JUNCTION, junction_wait_ds=40, red_bound_ds=3000))
+    with CoreJunction(site, "naive") as junction:
+        everybody = [5.0] * junction.shape.movements
+        ticks = 0
+        while junction.stage != stage and ticks < 600:
+            junction.count(everybody, everybody, occupied=occupied)
+            for _ in range(10):
+                junction.tick(stage)
+                ticks += junction.stage != stage
+    return ticks
+
+
+def test_a_change_waits_for_an_occupied_junction() -> None:
+    # The wait runs from the first group's start; those whose intergreens are longer lose less.
+    assert 20 <= ticks_until(3, occupied=True) - ticks_until(3, occupied=False) <= 40
 
 
 @pytest.mark.parametrize("chooser", ["max-pressure", "surtrac", "random", "pressure@h=2", "naive@frozen"])

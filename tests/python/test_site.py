@@ -26,11 +26,11 @@ ROOT = Path(__file__).resolve().parents[2]
 INCLUDE = ROOT / "firmware" / "include"
 SITES = sorted((ROOT / "sites").glob("*.toml"))
 STRUCT_SIZE = 2212
-VERSION = 2
+VERSION = 3
 WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Werror"]
 
 # A small street that uses all keys: a and b conflict, c is compatible with both. Stage 0 serves B.M, stage 1 the
-# others; a change takes up to 6 + 6 + 0.2 s, so that a bound on red is 3 * 12.2 s at least.
+# others; a change takes up to 6 + 6 + 1.5 + 0.2 s, so that a bound on red is 3 * 13.7 s at least.
 GOOD = """\
 name = "cross"
 hold_s = [10, 60]
@@ -44,6 +44,7 @@ stages = [["b", "c"], ["a", "c"]]
 approaches = [{ name = "A" }, { name = "B" }]
 start_flash_s = 12.5
 start_red_s = 4
+junction_wait_ds = 15
 first_stage = ["c", "a"]
 cameras = ["B"]
 
@@ -133,7 +134,7 @@ as = "Sat"
 REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "not TOML": ("reach_m = 75", "reach_m = ", ["is not TOML", "line 3", "reach_m ="]),
     "duplicate key": ("reach_m = 75", "reach_m = 75\nreach_m = 80", ["is not TOML", "line 4", "reach_m = 80"]),
-    "duplicate group in conflicts": ('b = ["a"]', 'a = ["b"]', ["is not TOML", "line 18"]),
+    "duplicate group in conflicts": ('b = ["a"]', 'a = ["b"]', ["is not TOML", "line 19"]),
     "nan": ("reach_m = 75", "reach_m = nan", ["reach_m is not finite", "nan"]),
     "nan inside": ("capacity_veh = 4.5", "capacity_veh = nan", ["movements[2].capacity_veh", "nan"]),
     "infinity": ("startup_s = 2\n", "startup_s = -inf\n", ["startup_s is not finite", "-inf"]),
@@ -216,17 +217,27 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "stage missing": (', ["a", "c"]]', "]", ["stages lacks a stage", '["a", "c"]', "all 2"]),
     "stage of nobody": ('["a", "c"]]', '["a", "d"]]', ["stages[1]", '"d"', "a, b, c"]),
     "stage empty": ('["a", "c"]]', "[]]", ["stages[1] is empty", "[]"]),
-    "no bound on red": ("red_bound_s = 90\n", "", ["red_bound_s of a street is missing", "(0.0)", "36.6 s to 600.0 s"]),
-    "bound on red 0": ("red_bound_s = 90", "red_bound_s = 0", ["red_bound_s of a street is missing", "12.2 s"]),
+    "no bound on red": ("red_bound_s = 90\n", "", ["red_bound_s of a street is missing", "(0.0)", "41.1 s to 600.0 s"]),
+    "bound on red 0": ("red_bound_s = 90", "red_bound_s = 0", ["red_bound_s of a street is missing", "13.7 s"]),
     "bound on red short": (
         "red_bound_s = 90",
-        "red_bound_s = 36.5",
-        ["cannot be kept", "(36.5)", "36.6 s", "2 stages"],
+        "red_bound_s = 41.0",
+        ["cannot be kept", "(41.0)", "41.1 s", "2 stages"],
     ),
     "bound on red long": ("red_bound_s = 90", "red_bound_s = 600.1", ["red_bound_s is too large", "at most 600"]),
     "bound on red too fine": ("red_bound_s = 90", "red_bound_s = 90.05", ["red_bound_s is finer", "90.05"]),
     "start flash long": ("start_flash_s = 12.5", "start_flash_s = 601", ["start_flash_s is too large", "(601)"]),
     "start red negative": ("start_red_s = 4", "start_red_s = -1", ["start_red_s is too small", "(-1)"]),
+    "wait for the junction long": (
+        "junction_wait_ds = 15",
+        "junction_wait_ds = 101",
+        ["junction_wait_ds is too large", "(101)", "at most 100"],
+    ),
+    "wait for the junction in parts": (
+        "junction_wait_ds = 15",
+        "junction_wait_ds = 1.5",
+        ["junction_wait_ds", "1.5"],
+    ),
     "first stage of nobody": (
         'first_stage = ["c", "a"]',
         'first_stage = ["d"]',
@@ -391,7 +402,7 @@ def test_good_site_is_accepted_and_summarised(tmp_path: Path, capsys: pytest.Cap
         "cross: approaches 2, movements 3, groups 3, conflicting pairs 1, stages 2",
         "stage 0: b c",
         "stage 1: a c",
-        "bound on red: 90.0 s, the shortest possible 36.6 s, kept with stages 0 1",
+        "bound on red: 90.0 s, the shortest possible 41.1 s, kept with stages 0 1",
         "programme day: stage 1 20.0 s, stage 0 6.5 s",
         "programme late: stage 0 6.0 s, stage 1 8.0 s, stage 0 9.0 s",
     ]
@@ -424,7 +435,7 @@ def test_limits_are_accepted_on_their_good_side(tmp_path: Path) -> None:
         ("amber_s = 3.5", "amber_s = 5"),
         ("min_green_s = 6", "min_green_s = 5.0"),
         ("max_green_s = 60", "max_green_s = 5"),
-        ("red_bound_s = 90", "red_bound_s = 36.6"),
+        ("red_bound_s = 90", "red_bound_s = 41.1"),
         ("red_bound_s = 90", "red_bound_s = 600"),
         ("start_flash_s = 12.5", "start_flash_s = 600"),
         ("start_red_s = 4", "start_red_s = 0"),
@@ -495,11 +506,11 @@ def test_intergreen_table_is_ending_then_starting(tmp_path: Path) -> None:
 def test_promises_of_a_street_are_read(tmp_path: Path) -> None:
     site = load_site(write_site(tmp_path))[0]
     assert (site.red_bound_ds, site.start_flash_ds, site.start_red_ds) == (900, 125, 40)
-    assert (site.first_stage, site.cameras) == (1, 0b10)
+    assert (site.first_stage, site.cameras, site.junction_wait_ds) == (1, 0b10, 15)
     assert (site.no_activity_min, site.max_presence_min, site.erratic_per_min) == (31, 62, 93)
     assert [(group.node, group.flash) for group in site.groups] == [(0, "amber"), (7, "red"), (0, "dark")]
     assert site.rescue_stages == (1, 1, 0)
-    assert (site.change_ds(), site.red_bound_min_ds()) == (122, 366)
+    assert (site.change_ds(), site.red_bound_min_ds()) == (137, 411)
 
 
 def test_programmes_and_their_hours_are_read(tmp_path: Path) -> None:
@@ -517,11 +528,14 @@ def test_programmes_and_their_hours_are_read(tmp_path: Path) -> None:
 
 def test_what_a_street_does_not_say_has_a_default(tmp_path: Path) -> None:
     text = re.sub(
-        r"(start_flash_s|start_red_s|first_stage|cameras) = .*\n", "", without("detectors", "schedule", "special_days")
+        r"(start_flash_s|start_red_s|first_stage|cameras|junction_wait_ds) = .*\n",
+        "",
+        without("detectors", "schedule", "special_days"),
     )
     site = load_site(write_site(tmp_path, text))[0]
     assert (site.start_flash_ds, site.start_red_ds, site.first_stage, site.cameras) == (100, 60, 0, 0b11)
     assert (site.no_activity_min, site.max_presence_min, site.erratic_per_min) == (0, 0, 0)
+    assert (site.junction_wait_ds, site.change_ds()) == (0, 122)
     assert (site.schedule, site.special_days) == ((), ())
 
 
@@ -544,7 +558,7 @@ def test_a_simulation_has_no_promises_unless_it_asks(tmp_path: Path) -> None:
 
 
 def test_a_simulation_keeps_a_bound_that_it_sets(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = changed("red_bound_s = 90", "red_bound_s = 36.5\nsimulation_only = true")
+    text = changed("red_bound_s = 90", "red_bound_s = 41.0\nsimulation_only = true")
     assert "red_bound_s cannot be kept" in refusal(capsys, write_site(tmp_path, text))
 
 

@@ -152,6 +152,42 @@ def test_lamps_keep_the_times_whatever_is_chosen(simple: tuple[Path, Path], tmp_
         assert not (ns[second] and any(ew[second - 7 : second + 1]))
 
 
+def blocked_traffic(folder: Path) -> Path:
+    """A vehicle breaks down behind the junction for a minute, the next one stands inside; then others want to cross."""
+    file = folder / "blocked.rou.xml"
+    file.write_text(
+        '<routes><vType id="pushy" jmIgnoreKeepClearTime="0" sigma="0"/>'
+        '<vehicle id="broken" type="pushy" depart="0" departPos="200"><route edges="N_C C_S"/>'
+        '<stop lane="C_S_0" startPos="5" endPos="8" duration="60"/></vehicle>'
+        '<vehicle id="inside" type="pushy" depart="3" departPos="200"><route edges="N_C C_S"/></vehicle>'
+        '<vehicle id="east" type="pushy" depart="25" departPos="200"><route edges="E_C C_W"/></vehicle>'
+        '<vehicle id="later" type="pushy" depart="120" departPos="200"><route edges="S_C C_N"/></vehicle></routes>'
+    )
+    return file
+
+
+@pytest.mark.parametrize("chooser", ["naive", "max-pressure"])
+def test_a_change_waits_while_a_vehicle_stands_in_the_junction(
+    simple: tuple[Path, Path], tmp_path: Path, chooser: str
+) -> None:
+    net, routes = simple[0], blocked_traffic(tmp_path)
+    states = tmp_path / "states.xml"
+    saver = tmp_path / "save.add.xml"
+    saver.write_text(f'<additional><timedEvent type="SaveTLSStates" source="C" dest="{states}"/></additional>')
+    scenario = configuration(tmp_path, net, str(routes), additional=f'<additional-files value="{saver.name}"/>')
+    found = {}
+    for wait_s in (0, 4):
+        words = ("--sumocfg", scenario, "--chooser", chooser, "--seeds", 1, "--end", 180, "--junction-wait", wait_s)
+        (row,) = sumo_run(*words)
+        assert row["teleports"] == "0"
+        seen = [s.get("state", "") for s in root_of(states) if s.tag.endswith("tlsState")]
+        runs = [(red, len(list(group))) for red, group in groupby(set(state) == {"r"} for state in seen)]
+        found[wait_s] = [length for red, length in runs if red][1:]  # the first is the start's
+    assert set(found[0]) == {2}, "the clearance that was asked for"
+    assert found[4][0] == 2 + 4, "the first change finds somebody who does not move"
+    assert found[4][-1] == 2, "the last change finds nobody"
+
+
 # --- what it counts ---
 
 
@@ -208,6 +244,7 @@ def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
     assert "'5-1'" in refused(*scenario, "--chooser", "naive", "--seeds", "5-1")
     assert "'1,1'" in refused(*scenario, "--chooser", "naive", "--seeds", "1,1")
     assert "'0.5'" in refused(*scenario, "--chooser", "naive", "--reach", 0.5)
+    assert "'11'" in refused(*scenario, "--chooser", "naive", "--junction-wait", 11)
     assert "--chooser" in refused(*scenario)
     assert "no/folder" in refused(*scenario, "--chooser", "naive", "--csv", "no/folder/x.csv")
     assert "'nan'" in refused(*scenario, "--chooser", "naive", "--begin", "nan")

@@ -202,6 +202,14 @@ static void send_counts(bench_t *self) {
     }
 }
 
+static void send_occupancy(bench_t *self) {
+    if (self->junction_seen) {
+        elmopp_frame_t frame = elmopp_frames_make_occupancy(&self->occupancy);
+        elmopp_link_seal(&frame, &self->occupancy_counter);
+        deliver(self, frame);
+    }
+}
+
 static uint16_t measured(uint16_t commanded, uint16_t stuck_on, uint16_t broken, uint16_t groups) {
     return (uint16_t)(((commanded | stuck_on) & (uint16_t)~broken) & groups);
 }
@@ -271,6 +279,9 @@ void bench_tick(bench_t *self) {
     deliver_late(self);
     if ((self->ticks % 10U) == 0U) {
         send_counts(self);
+    }
+    if ((self->ticks % 2U) == 0U) {
+        send_occupancy(self);
     }
     send_feedback(self);
     elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK];

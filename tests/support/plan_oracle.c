@@ -270,8 +270,49 @@ static bool judge_state(plan_oracle_t *self, elmopp_lamps_t lamps, const elmopp_
     return (plan->elapsed_ds == elapsed) || complain(self, "wrong elapsed time", plan->elapsed_ds, (uint32_t)elapsed);
 }
 
+/* Came off red in this tick. */
+static bool has_begun(const plan_oracle_t *self, uint32_t g) {
+    const plan_oracle_group_t *group = &self->group[g];
+    const char first = (self->junction->group[g].red_amber_ds == 0U) ? 'G' : 'B';
+    return (group->since == self->now) && (group->aspect == first);
+}
+
+/* Is red, as it was a tick ago, and could begin: everybody in its way is red, and when its red-amber is over, their
+   intergreens will be, too. */
+static bool could_begin(const plan_oracle_t *self, uint32_t g) {
+    const bool wanted = (self->target != ELMOPP_STAGE_NONE) && has(self->junction->stage_groups[self->target], g);
+    bool clear = wanted && (self->group[g].aspect == 'R') && (self->group[g].since < self->now);
+    for (uint32_t h = 0U; h < self->junction->group_count; h++) {
+        const long long free = (self->now - self->group[h].ended) + self->junction->group[g].red_amber_ds;
+        const bool in_the_way = (self->group[h].aspect != 'R') || (free < self->junction->intergreen_ds[h][g]);
+        clear = clear && (!(has(self->junction->conflict[g], h) && in_the_way));
+    }
+    return clear;
+}
+
+/* While the junction is occupied nothing begins, for so long as the site allows a change; otherwise nothing waits. */
+static bool judge_wait(plan_oracle_t *self, bool occupied) {
+    self->held = occupied && (self->waited < self->junction->junction_wait_ds);
+    bool ready = false;
+    for (uint32_t g = 0U; g < self->junction->group_count; g++) {
+        ready = ready || could_begin(self, g);
+        if (self->held && has_begun(self, g)) {
+            return complain(self, "begins while the junction is occupied", g, self->waited);
+        }
+    }
+    if (ready && (!self->held)) {
+        return complain(self, "waits without a reason", self->waited, occupied ? 1U : 0U);
+    }
+    self->waited += ready ? 1U : 0U;
+    self->waits += ready ? 1U : 0U;
+    return true;
+}
+
 /* Green begins no later than it may: nothing of the target stays red while all it waits for has run out. */
 static bool judge_haste(plan_oracle_t *self) {
+    if (self->held) {
+        return true;
+    }
     for (uint32_t g = 0U; (self->target != ELMOPP_STAGE_NONE) && (g < self->junction->group_count); g++) {
         bool clear = has(self->junction->stage_groups[self->target], g) && (self->group[g].aspect != 'G') &&
                      (self->group[g].aspect != 'Y');
@@ -302,12 +343,14 @@ static bool judge_waits(plan_oracle_t *self) {
     return true;
 }
 
-bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint32_t demand, elmopp_lamps_t lamps,
+bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint32_t demand, bool occupied, elmopp_lamps_t lamps,
                        const elmopp_plan_t *plan) {
     self->now++;
+    self->waited = self->settled ? 0U : self->waited;
     hear(self, wanted, demand);
     expect_target(self, wanted);
-    return judge_groups(self, lamps) && judge_state(self, lamps, plan) && judge_haste(self) && judge_waits(self);
+    return judge_groups(self, lamps) && judge_wait(self, occupied) && judge_state(self, lamps, plan) &&
+           judge_haste(self) && judge_waits(self);
 }
 
 uint32_t plan_oracle_bound(const elmopp_junction_t *junction) {
@@ -322,5 +365,5 @@ uint32_t plan_oracle_bound(const elmopp_junction_t *junction) {
                 (junction->intergreen_ds[g][h] > clearance_ds) ? junction->intergreen_ds[g][h] : clearance_ds;
         }
     }
-    return green_ds + clearance_ds + 2U;
+    return green_ds + clearance_ds + junction->junction_wait_ds + 2U;
 }

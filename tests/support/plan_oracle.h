@@ -27,6 +27,9 @@ typedef struct {
     uint32_t shown;   ///< stage that the lamps show, ELMOPP_STAGE_NONE if none
     uint32_t target;  ///< stage that must come next
     bool settled;     ///< the target is shown
+    uint32_t waited;  ///< ticks of this change in which it waited for the junction
+    uint32_t waits;   ///< ... and of all changes
+    bool held;        ///< nothing may start in this tick
     uint32_t forced;  ///< targets that a maximum green asked for
     uint32_t rescued; ///< ... and that the bound on red asked for
     long long shown_since;
@@ -36,12 +39,12 @@ typedef struct {
 void plan_oracle_init(plan_oracle_t *self, const elmopp_junction_t *junction);
 
 /// Judges one tick. False and a complaint if a rule of plan.h or of the site is broken.
-/// `demand`: mask of movements.
-bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint32_t demand, elmopp_lamps_t lamps,
+/// `demand`: mask of movements. `occupied`: what the plan was told of the junction.
+bool plan_oracle_judge(plan_oracle_t *self, elmopp_stage_t wanted, uint32_t demand, bool occupied, elmopp_lamps_t lamps,
                        const elmopp_plan_t *plan);
 
 /// Ticks in which any stage must be up after a wish that is heard: the longest minimum green, the longest intergreen
-/// or amber, the tick of the wish and the one that sees it fulfilled.
+/// or amber, the wait for the junction, the tick of the wish and the one that sees it fulfilled.
 uint32_t plan_oracle_bound(const elmopp_junction_t *junction);
 
 #endif

@@ -23,5 +23,5 @@ uint32_t plan_movements(const elmopp_junction_t *junction, uint16_t demand) {
 }
 
 elmopp_lamps_t plan_tick(elmopp_plan_t *plan, elmopp_stage_t wanted, uint16_t demand) {
-    return elmopp_plan_step(plan, wanted, plan_movements(plan->junction, demand));
+    return elmopp_plan_step(plan, wanted, plan_movements(plan->junction, demand), false);
 }

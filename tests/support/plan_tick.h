@@ -11,7 +11,7 @@
 /// Mask of the movements whose group is in the mask of groups.
 uint32_t plan_movements(const elmopp_junction_t *junction, uint16_t demand);
 
-/// Somebody asks for every group in `demand`.
+/// Somebody asks for every group in `demand`; nobody stands in the junction.
 elmopp_lamps_t plan_tick(elmopp_plan_t *plan, elmopp_stage_t wanted, uint16_t demand);
 
 #endif

@@ -56,6 +56,7 @@ class _Second(ctypes.Structure):
         ("present_veh", ctypes.POINTER(ctypes.c_float)),
         ("arrived_veh", ctypes.POINTER(ctypes.c_float)),
         ("downstream_veh", ctypes.POINTER(ctypes.c_float)),
+        ("occupied", ctypes.c_uint32),
     )
 
 
@@ -165,12 +166,17 @@ class CoreJunction:
         arrived_veh: Sequence[float],
         downstream_veh: Sequence[float] | None = None,
         recall: int = 0,
+        *,
+        occupied: bool = False,
     ) -> None:
-        """Takes one second's counts, a value a movement; LibraryError for values that are no counts."""
+        """Takes one second's counts, a value a movement; LibraryError for values that are no counts.
+
+        `occupied`: somebody is known to stand inside the junction.
+        """
         nothing = [0.0] * self.shape.movements
         for row, values in zip(self._rows, (present_veh, arrived_veh, downstream_veh or nothing), strict=True):
             row[: self.shape.movements] = list(values)
-        self._second.recall = recall
+        self._second.recall, self._second.occupied = recall, occupied
         if self._library.elmopp_count(self._handle, ctypes.byref(self._second)) == REFUSED:
             counts = ", ".join(str(list(row[: self.shape.movements])) for row in self._rows)
             raise LibraryError(f"counts {counts} ; finite numbers from 0 to a million")

@@ -62,6 +62,7 @@ def build_junction(document: Document) -> Junction:
         red_bound_ds=tenths("red_bound_s", document.get("red_bound_s", 0)),
         start_flash_ds=tenths("start_flash_s", document.get("start_flash_s", 0 if simulation_only else START_FLASH_S)),
         start_red_ds=tenths("start_red_s", document.get("start_red_s", 0 if simulation_only else START_RED_S)),
+        junction_wait_ds=int(document.get("junction_wait_ds", 0)),
         first_stage=_first_stage(document, stages, group_names),
         cameras=mask_of(approaches, document.get("cameras", approaches), "cameras: approach"),
         no_activity_min=int(detectors.get("no_activity_min", 0)),

@@ -88,6 +88,7 @@ def _head(junction: Junction) -> list[str]:
         f".program_count = {len(junction.programs)}U,",
         f".schedule_count = {len(junction.schedule)}U,",
         f".special_day_count = {len(junction.special_days)}U,",
+        f".junction_wait_ds = {junction.junction_wait_ds}U,",
         f".reach_m = {float_literal(junction.reach_m)},",
         f".free_flow_m_per_s = {float_literal(junction.free_flow_m_per_s)},",
     ]

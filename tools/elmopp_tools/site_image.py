@@ -28,11 +28,11 @@ from elmopp_tools.site_model import (
 )
 
 MAGIC = b"ELMS"
-VERSION = 2
+VERSION = 3
 
 WORD_SIZE = 2
 
-_HEAD = struct.Struct(f"<{SITE_NAME_SIZE}s8B5H8B2x2f")
+_HEAD = struct.Struct(f"<{SITE_NAME_SIZE}s8B5H8BH2f")
 _MOVEMENT = struct.Struct(f"<{NAME_SIZE}sffHHBB2x")
 _GROUP = struct.Struct(f"<{NAME_SIZE}s4H2B")
 _STEP = struct.Struct("<HBx")
@@ -115,6 +115,7 @@ def _head(junction: Junction) -> bytes:
         len(junction.programs),
         len(junction.schedule),
         len(junction.special_days),
+        junction.junction_wait_ds,
         junction.reach_m,
         junction.free_flow_m_per_s,
     )

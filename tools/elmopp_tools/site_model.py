@@ -129,6 +129,7 @@ class Junction:
     red_bound_ds: int
     start_flash_ds: int
     start_red_ds: int
+    junction_wait_ds: int
     first_stage: int
     cameras: int
     no_activity_min: int
@@ -155,7 +156,8 @@ class Junction:
         """Longest time from the moment a stage may be left until any other is shown."""
         own = [group.amber_ds + group.red_amber_ds for group in self.groups]
         clearances = [time_ds for row in self.intergreen_ds for time_ds in row] + own
-        return max(group.min_green_ds for group in self.groups) + max(clearances) + CHANGE_TICKS
+        green_ds = max(group.min_green_ds for group in self.groups)
+        return green_ds + max(clearances) + self.junction_wait_ds + CHANGE_TICKS
 
     def red_bound_min_ds(self) -> int:
         """The shortest bound on red that can be kept: a change under way, and one for each rescue stage."""

@@ -29,6 +29,7 @@ AMBER_MAX_DS = 60
 MIN_GREEN_STREET_DS = 50
 MIN_GREEN_SIMULATION_DS = 10
 TIME_MAX_DS = 6000  # ELMOPP_SITE_TIME_MAX_DS: an age of 16 bits that saturates cannot hide that it is over
+JUNCTION_WAIT_MAX_DS = 100  # ELMOPP_SITE_JUNCTION_WAIT_MAX_DS
 MINUTES_PER_DAY = 1440
 
 
@@ -70,6 +71,13 @@ def _check_start(junction: Junction) -> None:
         raise SiteError(wrong, junction.cameras, f"a mask of {len(junction.approaches)} bits")
     _check_time("start_flash_s", junction.start_flash_ds)
     _check_time("start_red_s", junction.start_red_ds)
+    if junction.junction_wait_ds > JUNCTION_WAIT_MAX_DS:
+        raise SiteError(
+            "junction_wait_ds is too long",
+            junction.junction_wait_ds,
+            f"at most {JUNCTION_WAIT_MAX_DS}: who stands in "
+            "the junction for longer is held up by something that red does not clear",
+        )
 
 
 def _check_time(path: str, time_ds: int) -> None:

@@ -20,6 +20,11 @@ TICKS_PER_S = 10
 FREE_FLOW_M_PER_S = 12.0  # 0.86 of 50 km/h: what drivers reach on the way to a stop line
 TRAVEL_MAX_S = 12
 
+# Slower than this inside a junction is in the way of whoever starts. SUMO's own halting is 0.1 m/s, but who has only
+# just begun to move on needs seconds to be gone; everybody who drives on is faster, also from a standing start at the
+# stop line.
+STANDING_M_PER_S = 1.0
+
 
 class Camera:
     """Counts, a value a movement: who is inside the reach now, and who of them was not a second ago."""
@@ -51,11 +56,32 @@ class Camera:
         self._known, self.present_veh, self.arrived_veh = now, present, arrived
 
 
+class JunctionCamera:
+    """Looks at the lanes across a junction, and at who has not left them whole."""
+
+    def __init__(self, sight: Sight) -> None:
+        self._inside = sight.inside
+        self._behind = sorted({lane for lanes in sight.downstream for lane in lanes})
+
+    def is_occupied(self) -> bool:
+        """Whether a vehicle stands there now."""
+        inside = (v for lane in self._inside for v in libsumo.lane.getLastStepVehicleIDs(lane))
+        tails = (v for lane in self._behind for v in libsumo.lane.getLastStepVehicleIDs(lane) if _sticks_out(v))
+        return any(libsumo.vehicle.getSpeed(vehicle) < STANDING_M_PER_S for vehicle in (*inside, *tails))
+
+
+def _sticks_out(vehicle: str) -> bool:
+    """SUMO has a vehicle where its front is: the rest may still be on the lane before."""
+    shorter: bool = libsumo.vehicle.getLanePosition(vehicle) < libsumo.vehicle.getLength(vehicle)
+    return shorter
+
+
 class Driver:
     """A signal that libelmopp.so controls."""
 
     def __init__(self, signal: Signal, times: Times, reach_m: float, chooser: str, seed: int) -> None:
         self._signal = signal
+        self.waits = times.junction_wait_s > 0
         travel_s = min(TRAVEL_MAX_S, round(reach_m / FREE_FLOW_M_PER_S))
         site = image_bytes(junction_of(signal, times, reach_m))
         self._core = CoreJunction(site, chooser, travel_s=travel_s, seed=seed)
@@ -64,10 +90,15 @@ class Driver:
         self.drive([0.0] * len(signal.movements), [0.0] * len(signal.movements), None)
 
     def drive(
-        self, present_veh: Sequence[float], arrived_veh: Sequence[float], downstream_veh: Sequence[float] | None
+        self,
+        present_veh: Sequence[float],
+        arrived_veh: Sequence[float],
+        downstream_veh: Sequence[float] | None,
+        *,
+        occupied: bool = False,
     ) -> None:
         """Decides for the coming second and shows it. Lamps change at its beginning: all times are whole seconds."""
-        self._core.count(present_veh, arrived_veh, downstream_veh)
+        self._core.count(present_veh, arrived_veh, downstream_veh, occupied=occupied)
         aspects = self._core.tick()
         if self._core.stage != NO_STAGE:
             self._shown = self._core.stage
@@ -125,6 +156,7 @@ class Street:
     def __init__(self, signals: Sequence[Signal], sights: Sequence[Sight], drivers: Sequence[Driver]) -> None:
         self._cameras = [Camera(signal, sight) for signal, sight in zip(signals, sights, strict=True)]
         self._watches = [Watch(signal) for signal in signals]
+        self._junction_cameras = [JunctionCamera(sight) for sight in sights]
         self._drivers = drivers
         seen = {
             view.lane: (camera, view.parts)
@@ -142,7 +174,8 @@ class Street:
             watch.look(camera.present_veh)
         for index, driver in enumerate(self._drivers):
             camera = self._cameras[index]
-            driver.drive(camera.present_veh, camera.arrived_veh, self._downstream_veh(index))
+            occupied = driver.waits and self._junction_cameras[index].is_occupied()
+            driver.drive(camera.present_veh, camera.arrived_veh, self._downstream_veh(index), occupied=occupied)
 
     def _downstream_veh(self, index: int) -> list[float]:
         """For each movement the vehicles that wait at the next signal on its ways on, their mean; 0 behind the last."""

@@ -42,11 +42,15 @@ class Crossing:
 
 @dataclass(frozen=True)
 class Sight:
-    """All that is counted at one signal. `downstream[movement]`: the lanes behind the junction that it leads to."""
+    """All that is counted at one signal. `downstream[movement]`: the lanes behind the junction that it leads to.
+
+    `inside`: the lanes across the junction, on which vehicles are that have passed the stop line and not left yet.
+    """
 
     views: tuple[View, ...]
     crossings: tuple[Crossing, ...]
     downstream: tuple[tuple[str, ...], ...]
+    inside: tuple[str, ...]
 
 
 @dataclass
@@ -125,7 +129,19 @@ class Network:
             views=tuple(View(lane, max(starts[lane], 0.0), tuple(parts.items())) for lane, parts in shares.items()),
             crossings=tuple(self._crossings(links, signal.movements)),
             downstream=tuple(_downstream(links, movement) for movement in signal.movements),
+            inside=self._inside(links),
         )
+
+    def _inside(self, links: Links) -> tuple[str, ...]:
+        """The lanes across the junction that vehicles take, piece by piece: a left turn may wait between two."""
+        lanes: dict[str, None] = {}
+        ring = [via for link in links for start, _, via in link if via and not self._is_walked(start)]
+        while ring:
+            lane = ring.pop()
+            if lane not in lanes and self.net.getLane(lane).getEdge().getFunction() == "internal":
+                lanes[lane] = None
+                ring += [on.getViaLaneID() or on.getToLane().getID() for on in self.net.getLane(lane).getOutgoing()]
+        return tuple(sorted(lanes))
 
     def _look_upstream(
         self, shares: dict[str, dict[int, float]], starts: dict[str, float], signals: frozenset[str]

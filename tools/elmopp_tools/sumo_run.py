@@ -122,6 +122,11 @@ def _parser() -> argparse.ArgumentParser:
         "--red-bound", metavar="S", type=_whole(0, 600), default=0,
         help="nobody who is counted waits longer for green, whatever is chosen (default: 0, no bound)",
     )  # fmt: skip
+    parser.add_argument(
+        "--junction-wait", metavar="S", type=_whole(0, 10), default=0,
+        help="a change of stage waits so long at most while a vehicle stands inside the junction (default: 0, it does "
+        "not); SUMO's own controllers never do",
+    )  # fmt: skip
     parser.add_argument("--reach", metavar="M", type=_reach, default=100.0, help="how far cameras see (default: 100)")
     parser.add_argument("--csv", metavar="FILE", default="-", help="the table (default: -, the terminal)")
     parser.add_argument("--jobs", metavar="N", type=_whole(1, 1024), default=os.cpu_count() or 1, help="runs at a time")
@@ -166,7 +171,14 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         wrong = f"--max-green {options.max_green} is below --min-green {options.min_green}"
         raise ScenarioError(f"{wrong} ; at least as long")
     scenario = scenario_of(options.sumocfg, options.net, options.routes, options.begin, options.end)
-    times = Times(options.yellow, options.all_red, options.min_green, options.max_green, options.red_bound)
+    times = Times(
+        yellow_s=options.yellow,
+        all_red_s=options.all_red,
+        min_green_s=options.min_green,
+        max_green_s=options.max_green,
+        red_bound_s=options.red_bound,
+        junction_wait_s=options.junction_wait,
+    )
     _check_chooser(options.chooser, times)
     return [Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial) for seed in options.seeds]
 

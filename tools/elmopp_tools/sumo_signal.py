@@ -46,13 +46,17 @@ class SignalError(Exception):
 
 @dataclass(frozen=True)
 class Times:
-    """What holds for every controller, in whole seconds: amber, clearance after it, minimum and maximum green."""
+    """What holds for every controller, in whole seconds: amber, clearance after it, minimum and maximum green.
+
+    The wait for an occupied junction lies in the plan: SUMO's own controllers do without.
+    """
 
     yellow_s: int
     all_red_s: int
     min_green_s: int
     max_green_s: int
     red_bound_s: int
+    junction_wait_s: int = 0
 
 
 @dataclass(frozen=True)
@@ -138,6 +142,7 @@ def junction_of(signal: Signal, times: Times, reach_m: float) -> Junction:
         "forecast": "none",
         "hold_s": [times.min_green_s, times.max_green_s],
         "red_bound_s": times.red_bound_s,
+        "junction_wait_ds": 10 * times.junction_wait_s,
         "reach_m": reach_m,
         "saturation_veh_per_s": SATURATION_VEH_PER_S,
         "startup_s": STARTUP_S,

@@ -11,6 +11,9 @@
 /// clear_fault_confirm that both name it, within ELMOPP_CONTROLLER_CLEAR_DS of each other; anything less is refused and
 /// counted. What follows is Starting, never what was before.
 ///
+/// A site whose changes wait for an occupied junction listens to JunctionOccupied, too. A sign that is missing,
+/// invalid, or older than 0.6 s is none: a camera that fails costs nobody any time.
+///
 /// Diagnosis goes on all the time: the site's data and the weights are summed up again and again, a piece a tick, and
 /// compared with what was checked at the start.
 ///
@@ -70,6 +73,7 @@ typedef struct {
 typedef struct {
     elmopp_link_t camera[ELMOPP_APPROACH_MAX];
     elmopp_link_t node[ELMOPP_NODE_MAX];
+    elmopp_link_t junction_camera;
     elmopp_link_t command;
     elmopp_lamps_t measured; ///< all nodes together
     uint8_t used_nodes;      ///< mask
@@ -78,6 +82,7 @@ typedef struct {
     uint8_t status_counter;
     uint8_t forecast_counter[ELMOPP_APPROACH_MAX];
     uint8_t refused; ///< frames and commands, modulo 256
+    bool occupied;   ///< the junction camera knows that somebody stands in the junction, as last heard
 } elmopp_bus_t;
 
 /// State. Set up by elmopp_controller_init(); read it for a log, write nothing.

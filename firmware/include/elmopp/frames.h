@@ -37,6 +37,13 @@ typedef struct {
     bool own_fail_safe;
 } elmopp_feedback_t;
 
+/// JunctionOccupied.
+typedef struct {
+    bool occupied;  ///< a vehicle stands inside the junction
+    bool valid;     ///< the camera knows
+    uint8_t reason; ///< ... or why not, as of DetectorCounts
+} elmopp_occupancy_t;
+
 /// ControllerStatus.
 typedef struct {
     elmopp_mode_t mode;
@@ -69,6 +76,7 @@ elmopp_frame_t elmopp_frames_forecast(uint32_t approach, const elmopp_outlook_t 
 uint8_t elmopp_frames_counts(const elmopp_frame_t *frame,
                              elmopp_detector_report_t report[ELMOPP_APPROACH_MOVEMENT_MAX]);
 elmopp_feedback_t elmopp_frames_feedback(const elmopp_frame_t *frame);
+elmopp_occupancy_t elmopp_frames_occupancy(const elmopp_frame_t *frame);
 elmopp_request_t elmopp_frames_command(const elmopp_frame_t *frame, uint32_t *argument);
 
 /// The other side of the bus, for simulators and lamp nodes: frames not yet sealed, and the lamps of a LampCommand.
@@ -77,6 +85,7 @@ elmopp_frame_t elmopp_frames_make_counts(uint32_t approach,
                                          const elmopp_detector_report_t report[ELMOPP_APPROACH_MOVEMENT_MAX],
                                          uint8_t reason);
 elmopp_frame_t elmopp_frames_make_feedback(uint32_t node, const elmopp_feedback_t *feedback);
+elmopp_frame_t elmopp_frames_make_occupancy(const elmopp_occupancy_t *occupancy);
 bool elmopp_frames_lamps(const elmopp_frame_t *frame, elmopp_lamps_t *lamps);
 
 #endif

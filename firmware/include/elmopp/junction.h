@@ -138,9 +138,9 @@ typedef struct {
     uint8_t program_count;    ///< at least one in a street
     uint8_t schedule_count;   ///< 0: always programme 0
     uint8_t special_day_count;
-    uint8_t reserved[2];
-    float reach_m;                                             ///< how far before the stop line vehicles are counted
-    float free_flow_m_per_s;                                   ///< v_f of the Greenshields laws; 0 with saturation
+    uint16_t junction_wait_ds; ///< a change waits so long for an occupied junction (plan.h); 0: it does not
+    float reach_m;             ///< how far before the stop line vehicles are counted
+    float free_flow_m_per_s;   ///< v_f of the Greenshields laws; 0 with saturation
     char approach_name[ELMOPP_APPROACH_MAX][ELMOPP_NAME_SIZE]; ///< zero-terminated
     elmopp_movement_t movement[ELMOPP_MOVEMENT_MAX];
     elmopp_group_t group[ELMOPP_GROUP_MAX];
@@ -175,8 +175,8 @@ uint16_t elmopp_junction_groups_of_node(const elmopp_junction_t *junction, uint3
 bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, uint16_t groups);
 
 /// Longest time from the moment at which a shown stage may be left until any other one is shown: the longest minimum
-/// green and the longest intergreen, or amber and red-amber. Tenths of a second. The bound on red is worked out with
-/// it.
+/// green, the longest intergreen, or amber and red-amber, and the whole wait for an occupied junction. Tenths of a
+/// second. The bound on red is worked out with it.
 uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction);
 
 /// Mask of the movements that go when exactly these signal groups are green.

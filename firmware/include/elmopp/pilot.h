@@ -93,7 +93,7 @@ bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, cons
 void elmopp_pilot_step_blind(elmopp_pilot_t *self);
 
 /// Moves the plan by one lamp tick (100 ms) and returns the lamps until the next. `wanted`: the pilot's own wish, or
-/// somebody else's (a stage, ELMOPP_STAGE_RED or ELMOPP_STAGE_NONE).
-elmopp_lamps_t elmopp_pilot_lamp_tick(elmopp_pilot_t *self, elmopp_stage_t wanted);
+/// somebody else's (a stage, ELMOPP_STAGE_RED or ELMOPP_STAGE_NONE). `occupied`: as elmopp_plan_step() has it.
+elmopp_lamps_t elmopp_pilot_lamp_tick(elmopp_pilot_t *self, elmopp_stage_t wanted, bool occupied);
 
 #endif

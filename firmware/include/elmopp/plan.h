@@ -8,6 +8,8 @@
 ///
 ///   - a green lasts its minimum, an amber and a red-amber their time, and a group starts only when every conflicting
 ///     group is red and its intergreen has run out;
+///   - while somebody stands in the junction, nothing starts: a change waits for it, junction_wait_ds in all and no
+///     longer;
 ///   - a green that outlasts its maximum, counted from the first conflicting demand, gives way to the conflicting
 ///     movement that has waited longest;
 ///   - the bound on red: a movement with demand waits for green no longer than red_bound_ds. When the time that is left
@@ -18,13 +20,17 @@
 /// Only ELMOPP_STAGE_RED overrules the bound: the mode that asks for it ends all service. It never knows a queue, an
 /// urgency or a forecast.
 ///
+/// The wait only ever comes on top: a group that it holds stays red, everything else goes on as without it, and each
+/// intergreen runs as the site says. It holds every start alike, of people on foot too: one sign for the whole junction
+/// does not say where somebody stands. What is green in both stages stays green. Without a valid sign there is no wait.
+///
 /// Why the bound holds. Let c be elmopp_junction_change_ds(): from any moment some stage is shown within c, and from
 /// there any other within c. Serving the longest waiting first, nobody who came later is served before movement j but
 /// together with an older one. So j is served within c for the change under way and c for each rescue stage of those
 /// who have waited as long as j, itself included: (1 + n) c. This never grows while j waits, and elmopp_site_check()
 /// has held (1 + all rescue stages) c against the bound, so that there is time left when the wait begins.
 ///
-/// Shaped for proof: each group moves by three pure functions that read a snapshot and nothing else; ages saturate,
+/// Shaped for proof: each group moves by four pure functions that read a snapshot and nothing else; ages saturate,
 /// there is no timestamp; what the site must fulfil is one shared predicate (site.h). Ends are worked out for all
 /// groups before starts, so that a simulation_only site with zero clearance changes within one tick.
 ///
@@ -52,6 +58,7 @@ typedef struct {
     uint16_t wait_ds[ELMOPP_MOVEMENT_MAX]; ///< since the first demand of this red; 0: nobody waits, or it goes
     uint32_t change_ds;                    ///< elmopp_junction_change_ds()
     uint16_t elapsed_ds;                   ///< how long the stage has been shown
+    uint16_t waited_ds;                    ///< ticks of this change in which a start was held
     elmopp_stage_t target;                 ///< shown or being brought up; ELMOPP_STAGE_NONE: no group green
     elmopp_stage_t stage;                  ///< shown: its groups green, all others red; otherwise ELMOPP_STAGE_NONE
     bool settled;                          ///< the target is shown, be it a stage or all red
@@ -63,9 +70,9 @@ typedef struct {
 void elmopp_plan_init(elmopp_plan_t *self, const elmopp_junction_t *junction);
 
 /// One lamp tick. `wanted` is a stage, ELMOPP_STAGE_RED or ELMOPP_STAGE_NONE (no wish). `demand`: mask of the movements
-/// where somebody wants to go, or of which nobody knows; remembered until the movement goes. Returns the lamps until
-/// the next tick.
-elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, uint32_t demand);
+/// where somebody wants to go, or of which nobody knows; remembered until the movement goes. `occupied`: a valid sign
+/// that somebody stands in the junction; false if nobody does or nobody knows. Returns the lamps until the next tick.
+elmopp_lamps_t elmopp_plan_step(elmopp_plan_t *self, elmopp_stage_t wanted, uint32_t demand, bool occupied);
 
 /// The group after green and amber may have ended: pure, reads its own state only. `keep`: the target holds this group.
 elmopp_plan_group_t elmopp_plan_end(const elmopp_group_t *site, elmopp_plan_group_t before, bool keep);
@@ -74,6 +81,10 @@ elmopp_plan_group_t elmopp_plan_end(const elmopp_group_t *site, elmopp_plan_grou
 /// group.
 elmopp_plan_group_t elmopp_plan_start(const elmopp_junction_t *junction,
                                       const elmopp_plan_group_t ended[ELMOPP_GROUP_MAX], uint32_t g, bool keep);
+
+/// The group with the wait for an occupied junction: pure. `held`: what is red stays as it was. What is on its way to
+/// green goes on.
+elmopp_plan_group_t elmopp_plan_hold(elmopp_plan_group_t ended, elmopp_plan_group_t started, bool held);
 
 /// The group one lamp tick older: pure. `contested`: somebody who conflicts with it waits.
 elmopp_plan_group_t elmopp_plan_older(elmopp_plan_group_t started, bool contested);

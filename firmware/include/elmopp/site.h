@@ -30,6 +30,7 @@ typedef enum {
     ELMOPP_SITE_NAME,       ///< a name has no terminating zero
     ELMOPP_SITE_HOLD,       ///< not 1 <= hold_min_s <= hold_max_s <= ELMOPP_HORIZON_MAX
     ELMOPP_SITE_START,      ///< no such first stage, a camera without an approach, or a start-up time too long
+    ELMOPP_SITE_WAIT,       ///< the wait for an occupied junction is beyond ELMOPP_SITE_JUNCTION_WAIT_MAX_DS
     ELMOPP_SITE_APPROACH,   ///< more movements than ELMOPP_APPROACH_MOVEMENT_MAX [approach]
     ELMOPP_SITE_MOVEMENT,   ///< capacity, saturation flow, lanes, approach or groups make no movement [movement]
     ELMOPP_SITE_RESCUE,     ///< the rescue stage does not exist or does not serve the movement [movement]
@@ -59,10 +60,14 @@ typedef struct {
 } elmopp_site_verdict_t;
 
 /// The layout of elmopp_junction_t that this firmware reads; the envelope is image.h's.
-#define ELMOPP_SITE_IMAGE_VERSION_NOW 2U
+#define ELMOPP_SITE_IMAGE_VERSION_NOW 3U
 
 /// Ten minutes: no time of a site is longer.
 #define ELMOPP_SITE_TIME_MAX_DS 6000U
+
+/// Ten seconds: whoever stands in the junction for longer is held up by something that red does not clear, and every
+/// change of a bound on red must have room for the whole wait.
+#define ELMOPP_SITE_JUNCTION_WAIT_MAX_DS 100U
 
 /// True if every rule holds; otherwise the first fault.
 elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction);

@@ -65,6 +65,9 @@ std::vector<std::uint16_t> wanted_ids(const elmopp_junction_t &junction, bool bu
             add(ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID, i);
         }
     }
+    if (junction.junction_wait_ds > 0) {
+        add(ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID, 0);
+    }
     const std::uint32_t nodes = elmopp_junction_nodes(&junction);
     for (unsigned n = 0; n < ELMOPP_NODE_MAX; ++n) {
         if (elmopp_mask_has(nodes, n)) {

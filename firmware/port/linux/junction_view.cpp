@@ -61,8 +61,9 @@ void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
     const unsigned approach = frame.id - ELMOPP_CAN_FORECAST_FRAME_ID;
     const bool command = frame.id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID;
     const bool status = frame.id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID;
-    const bool ours =
-        command || status || node < ELMOPP_NODE_MAX || camera < ELMOPP_APPROACH_MAX || approach < ELMOPP_APPROACH_MAX;
+    const bool junction = frame.id == ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID;
+    const bool ours = command || status || junction || node < ELMOPP_NODE_MAX || camera < ELMOPP_APPROACH_MAX ||
+                      approach < ELMOPP_APPROACH_MAX;
     if (!ours) {
         return;
     }
@@ -73,6 +74,8 @@ void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
         lamps_.set(lamps, now_ms);
     } else if (status) {
         hear_status(frame, now_ms);
+    } else if (junction) {
+        occupancy_.set(elmopp_frames_occupancy(&frame), now_ms);
     } else if (node < ELMOPP_NODE_MAX) {
         feedback_.at(node).set(elmopp_frames_feedback(&frame), now_ms);
     } else if (camera < ELMOPP_APPROACH_MAX) {
@@ -141,6 +144,17 @@ std::string JunctionView::lamps_line(std::uint32_t now_ms) const {
     return text;
 }
 
+std::string JunctionView::junction_line(std::uint32_t now_ms) const {
+    const std::string text = "junction    ";
+    if (!occupancy_.is_fresh(now_ms, ELMOPP_CAN_JUNCTION_OCCUPIED_CYCLE_TIME_MS)) {
+        return text + "camera silent";
+    }
+    if (!occupancy_.value.valid) {
+        return text + "camera " + word_of(reason_words, occupancy_.value.reason);
+    }
+    return text + (occupancy_.value.occupied ? "occupied" : "clear");
+}
+
 std::string JunctionView::counts_of(std::uint32_t approach, std::uint32_t now_ms) const {
     if (!elmopp_mask_has(junction_.cameras, approach)) {
         return "no camera";
@@ -179,8 +193,11 @@ std::string JunctionView::approach_line(std::uint32_t approach, std::uint32_t no
 }
 
 std::vector<std::string> JunctionView::lines(std::uint32_t now_ms) const {
-    std::vector<std::string> all{status_line(now_ms), lamps_line(now_ms),
-                                 "approach    vehicles there              next 10, 30, 60 s"};
+    std::vector<std::string> all{status_line(now_ms), lamps_line(now_ms)};
+    if (junction_.junction_wait_ds > 0) {
+        all.push_back(junction_line(now_ms));
+    }
+    all.emplace_back("approach    vehicles there              next 10, 30, 60 s");
     for (std::uint32_t i = 0; i < junction_.approach_count; ++i) {
         all.push_back(approach_line(i, now_ms));
     }

@@ -66,6 +66,7 @@ class JunctionView {
     void hear_forecast(const elmopp_frame_t &frame, unsigned approach, std::uint32_t now_ms);
     [[nodiscard]] std::string status_line(std::uint32_t now_ms) const;
     [[nodiscard]] std::string lamps_line(std::uint32_t now_ms) const;
+    [[nodiscard]] std::string junction_line(std::uint32_t now_ms) const;
     [[nodiscard]] std::string approach_line(std::uint32_t approach, std::uint32_t now_ms) const;
     [[nodiscard]] std::string counts_of(std::uint32_t approach, std::uint32_t now_ms) const;
     [[nodiscard]] std::string forecast_of(std::uint32_t approach, std::uint32_t now_ms) const;
@@ -73,6 +74,7 @@ class JunctionView {
     const elmopp_junction_t &junction_;
     Latest<Status> status_;
     Latest<elmopp_lamps_t> lamps_;
+    Latest<elmopp_occupancy_t> occupancy_;
     std::array<Latest<elmopp_feedback_t>, ELMOPP_NODE_MAX> feedback_;
     std::array<Latest<Counts>, ELMOPP_APPROACH_MAX> counts_;
     std::array<Latest<Forecast>, ELMOPP_APPROACH_MAX> forecast_;
