@@ -4,8 +4,8 @@
 /// The rollout of the core as a program, for tests/python/test_rollout_reference.py: rollout_probe < INPUT
 ///
 /// Reads float32 numbers, little-endian: a junction with one signal group a movement, the options that vary, and second
-/// after second what a view holds. Writes the answer, the scores of all stages and the red clocks of all movements after
-/// the last one. The order is that of the functions below.
+/// after second what a view holds. Writes the answer, the scores of all stages and the red clocks of all movements
+/// after the last one. The order is that of the functions below.
 ///
 /// Exit status 1: the input ends too early, or holds more than a junction may have.
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-#include "elmopp/rollout.h"
 #include "assert_catcher.h"
+#include "elmopp/rollout.h"
 #include "random.h"
 #include "sites.h"
 #include "unity.h"
@@ -155,8 +155,8 @@ static void test_the_price_of_a_change_decides(void) {
     TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 100U));
 }
 
-/* Kept: the first queue is 2.5, 2, 1.5, 1, 0.5, 0 ..., the second 2 for 10 s. Left: half a vehicle more leaves on amber,
-   then 6 s of intergreen and 2 s of start-up, then 1.5 and 1. */
+/* Kept: the first queue is 2.5, 2, 1.5, 1, 0.5, 0 ..., the second 2 for 10 s. Left: half a vehicle more leaves on
+   amber, then 6 s of intergreen and 2 s of start-up, then 1.5 and 1. */
 static void test_a_score_is_minus_the_sum_of_all_queues(void) {
     look_ten_seconds_ahead();
     set_queues(3.0F, 2.0F, 0.0F);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-#include "elmopp/sight.h"
 #include "assert_catcher.h"
+#include "elmopp/sight.h"
 #include "random.h"
 #include "sites.h"
 #include "unity.h"

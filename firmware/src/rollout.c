@@ -263,8 +263,8 @@ static elmopp_stage_t react(const elmopp_rollout_t *self, uint32_t step) {
             best_rate = rate;
         }
     }
-    const bool leave = (future->elapsed_s >= self->options.max_s) ||
-                       (best_rate > (future->kappa * present_rate(self, step)));
+    const bool leave =
+        (future->elapsed_s >= self->options.max_s) || (best_rate > (future->kappa * present_rate(self, step)));
     return leave ? best : future->shown;
 }
 
@@ -433,8 +433,8 @@ static elmopp_stage_t stage_for(const elmopp_rollout_t *self, uint32_t movement)
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
         const float flow = self->sight.flow_veh_per_s[s][movement];
         const float weight = weight_of(self, s);
-        const bool better = (best == ELMOPP_STAGE_NONE) || (flow > best_flow) ||
-                            ((flow >= best_flow) && (weight > best_weight));
+        const bool better =
+            (best == ELMOPP_STAGE_NONE) || (flow > best_flow) || ((flow >= best_flow) && (weight > best_weight));
         if (better && elmopp_sight_is_served(&self->sight, s, movement)) {
             best = (elmopp_stage_t)s;
             best_flow = flow;

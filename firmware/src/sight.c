@@ -10,8 +10,8 @@
 #define PRIOR_S 30.0F
 #define FORGET_PER_S (1.0F / 600.0F)
 
-#define FULL_SHARE 0.85F       /* of the capacity: the reach hides who stands behind it */
-#define LEAST_FLOW_SHARE 0.1F  /* of the site's saturation flow, whatever is learnt */
+#define FULL_SHARE 0.85F      /* of the capacity: the reach hides who stands behind it */
+#define LEAST_FLOW_SHARE 0.1F /* of the site's saturation flow, whatever is learnt */
 #define MOST_FLOW_SHARE 1.4F
 #define STANDING_VEH_PER_LANE 2.0F /* a queue so long leaves at saturation flow */
 #define QUEUED_VEH 1.0F            /* somebody is queued */
@@ -97,8 +97,7 @@ static void expect(elmopp_sight_t *self, uint32_t movement, float arrived_veh) {
     const bool full = reach && (self->present_veh[movement] >= (FULL_SHARE * capacity_veh));
     float *mean = &self->mean_veh_per_s[movement];
     const float missing_veh = *mean - arrived_veh;
-    self->hidden_veh[movement] =
-        full ? held_in(self->hidden_veh[movement] + missing_veh, 0.0F, capacity_veh) : 0.0F;
+    self->hidden_veh[movement] = full ? held_in(self->hidden_veh[movement] + missing_veh, 0.0F, capacity_veh) : 0.0F;
     if ((!full) || (missing_veh < 0.0F)) {
         *mean -= missing_veh / (float)self->mean_s;
     }

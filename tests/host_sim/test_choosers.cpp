@@ -246,8 +246,7 @@ void test_the_setting_arrives() {
     TEST_ASSERT_EQUAL_UINT(8, state_of<ItlcRounds>(*make("itlc-rounds")).approaching.travel_s());
     TEST_ASSERT_EQUAL_UINT(8, state_of<elmopp_rollout_t>(*make("rollout")).options.sight.travel_s);
     TEST_ASSERT_EQUAL_UINT(82, make("rollout")->chooser.horizon_s);
-    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s,
-                           state_of<elmopp_rollout_t>(*make("rollout")).options.max_s);
+    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s, state_of<elmopp_rollout_t>(*make("rollout")).options.max_s);
     TEST_ASSERT_EQUAL_PTR(behind_veh.data(), state_of<MaxPressure>(*make("max-pressure")).downstream_veh);
     TEST_ASSERT_TRUE(state_of<Random>(*make("random")).generator == std::mt19937_64(77));
     TEST_ASSERT_TRUE(state_of<Random>(*make("random@seed=5")).generator == std::mt19937_64(5));
@@ -298,8 +297,8 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
         "itlc:none",         "oaf:none",           "fixed:none",       "webster:none",       "actuated:none",
         "max-pressure:none", "longest-queue:none", "max-wave:none",    "max-wave-hold:none", "elmopp-hold:none",
         "itlc-rounds:none",  "scats:none",         "scoot:none",       "surtrac:none",       "self-control:none",
-        "random:none",       "rollout:none",       "rollout:mean",    "rollout:ewma",      "rollout:persistence",
-        "rollout:ar8",       "rollout:lstm",       "rollout:nlstm",   "rollout:oracle"};
+        "random:none",       "rollout:none",       "rollout:mean",     "rollout:ewma",       "rollout:persistence",
+        "rollout:ar8",       "rollout:lstm",       "rollout:nlstm",    "rollout:oracle"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());

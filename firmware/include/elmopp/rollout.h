@@ -3,10 +3,10 @@
 
 /// Rollout: a chooser that tries every next stage in a small model of the junction and takes the cheapest.
 ///
-/// Once a second, when the stage shown is min_s old, it plays the next horizon_s seconds for each first action: keep the
-/// stage for one of a few times, or change to another stage that somebody waits for. After the first action a reactive
-/// rule decides. The cost V of an action is the sum of all queues over the seconds, the near ones weighing more; the
-/// least V wins, ties go to the lowest index. The score of a stage is -V, 0 where it was not tried.
+/// Once a second, when the stage shown is min_s old, it plays the next horizon_s seconds for each first action: keep
+/// the stage for one of a few times, or change to another stage that somebody waits for. After the first action a
+/// reactive rule decides. The cost V of an action is the sum of all queues over the seconds, the near ones weighing
+/// more; the least V wins, ties go to the lowest index. The score of a stage is -V, 0 where it was not tried.
 ///
 /// The model. A queue stands at the stop line of each movement. Who drives reaches it when he must (sight.h), who will
 /// come is foreseen: the view's rows at row_weight, each movement with its share, or, without rows, the mean of the
@@ -43,14 +43,14 @@
 
 /// What can be varied. elmopp_rollout_defaults() says what was measured to be good; no site needs others.
 typedef struct {
-    elmopp_sight_options_t sight;          ///< travel_s among them
-    uint16_t min_s;                        ///< a stage is never left before; at least 1
-    uint16_t max_s;                        ///< ... and left at if another one is asked for
-    uint16_t red_s;                        ///< nobody is passed over for longer; 0: no bound
-    uint16_t horizon_s;                    ///< 1 to ELMOPP_HORIZON_MAX
-    bool taper;                            ///< the weight of a second falls to 0 at the horizon
-    uint8_t hold_count;                    ///< of hold_s, at least 1
-    uint8_t rule_count;                    ///< of kappa, at least 1
+    elmopp_sight_options_t sight;             ///< travel_s among them
+    uint16_t min_s;                           ///< a stage is never left before; at least 1
+    uint16_t max_s;                           ///< ... and left at if another one is asked for
+    uint16_t red_s;                           ///< nobody is passed over for longer; 0: no bound
+    uint16_t horizon_s;                       ///< 1 to ELMOPP_HORIZON_MAX
+    bool taper;                               ///< the weight of a second falls to 0 at the horizon
+    uint8_t hold_count;                       ///< of hold_s, at least 1
+    uint8_t rule_count;                       ///< of kappa, at least 1
     uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX]; ///< how long the stage shown may be kept before the rule decides; >= 1
     float kappa[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much better another stage must be for the rule
     uint16_t rule_every_s;                    ///< at least 1
@@ -83,12 +83,12 @@ typedef struct {
     const elmopp_junction_t *junction; ///< of the first view; null before
     elmopp_sight_t sight;
     elmopp_rollout_future_t future;
-    uint8_t served_count[ELMOPP_STAGE_MAX];                ///< movements that a stage lets go ...
-    uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX]; ///< ... and which
-    uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX]; ///< [from][to] intergreen in whole seconds
-    float lost_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX];      ///< [from][to] the same and the longest start-up
-    float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];     ///< in the stage shown now, less where blocked
-    float expected_veh_per_s[ELMOPP_MOVEMENT_MAX];         ///< mean arrivals as they are weighted
+    uint8_t served_count[ELMOPP_STAGE_MAX];                          ///< movements that a stage lets go ...
+    uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];           ///< ... and which
+    uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX];           ///< [from][to] intergreen in whole seconds
+    float lost_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX];                ///< [from][to] the same and the longest start-up
+    float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];               ///< in the stage shown now, less where blocked
+    float expected_veh_per_s[ELMOPP_MOVEMENT_MAX];                   ///< mean arrivals as they are weighted
     float arrived_veh[ELMOPP_HORIZON_MAX + 1U][ELMOPP_MOVEMENT_MAX]; ///< [step] the queue and who comes before it
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
 } elmopp_rollout_t;

@@ -5,13 +5,16 @@
 ///
 /// It answers six questions and decides nothing:
 ///
-///   - who is queued, and who is counted but still drives: whoever came less than travel_s ago, in the order of arrival.
+///   - who is queued, and who is counted but still drives: whoever came less than travel_s ago, in the order of
+///   arrival.
 ///     If fewer are there than drive, the oldest have left early. Without a reach (travel_s 0) everybody is queued.
 ///   - how many come a second: the mean of all seconds, after mean_window_s an exponential one. A reach that is full
 ///     shows no arrivals, so it cannot lower the mean.
-///   - how many stand behind a reach that is full (0.85 of the capacity): those that should have come and were not seen.
+///   - how many stand behind a reach that is full (0.85 of the capacity): those that should have come and were not
+///   seen.
 ///     Never more than the capacity; nobody without a reach, or as soon as it is not full.
-///   - how long nobody has been let go: the chooser's own clock on red. It starts when somebody is there and restarts when
+///   - how long nobody has been let go: the chooser's own clock on red. It starts when somebody is there and restarts
+///   when
 ///     somebody leaves on green, or when nobody is there on green; a green on which nobody moves does not count. The
 ///     lamps' T stays in the view.
 ///   - how fast each stage really lets a movement go: mean departures of a standing queue, with the site's saturation
@@ -23,8 +26,8 @@
 /// to; then every value here is finite and not negative. It never reads what will come, a route or a lamp beyond the
 /// view.
 ///
-/// Owner: the chooser that contains it. No allocation; a second takes movements times (travel_s + a constant) steps. Not
-/// thread-safe.
+/// Owner: the chooser that contains it. No allocation; a second takes movements times (travel_s + a constant) steps.
+/// Not thread-safe.
 
 #ifndef ELMOPP_SIGHT_H
 #define ELMOPP_SIGHT_H
@@ -54,16 +57,16 @@ typedef struct {
     float mean_veh_per_s[ELMOPP_MOVEMENT_MAX]; ///< arrivals
     float hidden_veh[ELMOPP_MOVEMENT_MAX];     ///< behind a full reach
     float site_veh_per_s[ELMOPP_MOVEMENT_MAX]; ///< the site's saturation flow, or the top of its discharge law
-    float due_veh[ELMOPP_MOVEMENT_MAX][ELMOPP_SIGHT_TRAVEL_MAX_S];    ///< who reaches the queue in second [step] from now
-    float flow_veh_per_s[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];      ///< as learnt; 0 where a stage shows red
-    float learnt_veh[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];          ///< departures of standing queues ...
-    float learnt_s[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];            ///< ... and the seconds in which they left
-    uint32_t serves[ELMOPP_STAGE_MAX];         ///< mask of the movements that go in a stage
-    uint32_t going;                            ///< view->going of the last second
-    uint16_t red_s[ELMOPP_MOVEMENT_MAX];       ///< the chooser's clock on red; saturates
-    uint16_t idle_s[ELMOPP_MOVEMENT_MAX];      ///< green and queued, and nobody has left; saturates
-    uint16_t mean_s;                           ///< seconds in the mean, at most mean_window_s
-    elmopp_stage_t stage;                      ///< view->stage of the last second
+    float due_veh[ELMOPP_MOVEMENT_MAX][ELMOPP_SIGHT_TRAVEL_MAX_S]; ///< who reaches the queue in second [step] from now
+    float flow_veh_per_s[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];   ///< as learnt; 0 where a stage shows red
+    float learnt_veh[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];       ///< departures of standing queues ...
+    float learnt_s[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];         ///< ... and the seconds in which they left
+    uint32_t serves[ELMOPP_STAGE_MAX];                             ///< mask of the movements that go in a stage
+    uint32_t going;                                                ///< view->going of the last second
+    uint16_t red_s[ELMOPP_MOVEMENT_MAX];                           ///< the chooser's clock on red; saturates
+    uint16_t idle_s[ELMOPP_MOVEMENT_MAX];                          ///< green and queued, and nobody has left; saturates
+    uint16_t mean_s;                                               ///< seconds in the mean, at most mean_window_s
+    elmopp_stage_t stage;                                          ///< view->stage of the last second
 } elmopp_sight_t;
 
 /// 120 s of arrivals, 30 s of prior, forgetting over 600 s, blocked after 8 s.
