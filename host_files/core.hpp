@@ -16,6 +16,8 @@ extern "C" {
 #include "elmopp/pilot.h"
 #include "elmopp/plan.h"
 #include "elmopp/pressure.h"
+#include "elmopp/rollout.h"
+#include "elmopp/sight.h"
 #include "elmopp/site.h"
 #include "elmopp/urgency.h"
 #include "elmopp/weights.h"

@@ -30,11 +30,13 @@ LEVELS = {
     "timetable": 1,
     "lstm_f32": 1,
     "plan": 1,
+    "sight": 1,
     "site": 1,
     "weights": 2,
     "forecast": 3,
     "urgency": 3,
     "pressure": 3,
+    "rollout": 3,
     "link": 1,
     "frames": 2,
     "pilot": 4,
@@ -93,7 +95,7 @@ def test_no_room_knows_a_higher_level_or_another_of_its_own() -> None:
 
 
 def test_plan_site_and_the_choosers_know_level_0_only() -> None:
-    for room in ("plan", "site", "account", "ar8", "lstm_f32", "urgency", "pressure"):
+    for room in ("plan", "site", "sight", "account", "ar8", "lstm_f32", "urgency", "pressure"):
         assert ROOMS[room] == LEVEL_0
 
 

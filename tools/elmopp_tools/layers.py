@@ -41,6 +41,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "lstm_f32": LEVEL_0,
     "monitor": LEVEL_0,
     "plan": LEVEL_0,
+    "sight": LEVEL_0,
     "site": LEVEL_0,
     "timetable": LEVEL_0,
     # level 2: what is learnt, for both models
@@ -49,6 +50,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
     "urgency": LEVEL_0,
     "pressure": LEVEL_0,
+    "rollout": LEVEL_0 | {"sight"},
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link"},
     # the other side of the bus, a device of its own
