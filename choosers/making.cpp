@@ -102,7 +102,7 @@ elmopp_pressure_t pressure_of(const ChooserSpec &spec, const Setting &setting) {
     return {factor_or(spec, "h", static_cast<double>(ELMOPP_PRESSURE_RATIO)), min_s, max_s};
 }
 
-/// The window of a rival and of rollout: its own bounds in the paper's junction, the site's everywhere else.
+/// The window of a rival, of priced and of rollout: its own bounds in the paper's junction, the site's everywhere else.
 std::pair<std::uint16_t, std::uint16_t> rival_window_of(const ChooserSpec &spec, const Setting &setting) {
     const unsigned site_min_s = setting.own_site ? setting.junction.hold_min_s : rival_min_s;
     const unsigned site_max_s = setting.own_site ? setting.junction.hold_max_s : rival_max_s;
@@ -131,6 +131,13 @@ Made make_urgency(const ChooserSpec &spec, const Setting &setting) {
 Made make_pressure(const ChooserSpec &spec, const Setting &setting) {
     auto made = std::make_unique<PluggedAs<elmopp_pressure_t>>(pressure_of(spec, setting));
     made->chooser = elmopp_pressure_init(&made->state);
+    return made;
+}
+
+Made make_priced(const ChooserSpec &spec, const Setting &setting) {
+    const auto [min_s, max_s] = rival_window_of(spec, setting);
+    auto made = std::make_unique<PluggedAs<elmopp_priced_t>>(elmopp_priced_t{});
+    made->chooser = elmopp_priced_init(&made->state, min_s, max_s);
     return made;
 }
 
@@ -253,6 +260,7 @@ const std::map<std::string, Made (*)(const ChooserSpec &, const Setting &)> &mak
         {"naive", make_urgency},
         {"cumulative", make_urgency},
         {"pressure", make_pressure},
+        {"priced", make_priced},
         {"rollout", make_rollout},
         {"itlc", make_itlc},
         {"oaf", make_oaf},

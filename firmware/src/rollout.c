@@ -47,38 +47,7 @@ static float not_below(float value, float bound) {
     return (value > bound) ? value : bound;
 }
 
-static uint32_t longer(uint32_t one, uint32_t other) {
-    return (one > other) ? one : other;
-}
-
 /* --- the junction, once --- */
-
-/* What one group that ends asks for: its amber, and its intergreens to all that start. */
-static uint32_t ending_ds(const elmopp_junction_t *junction, uint32_t group, uint32_t starting) {
-    uint32_t longest_ds = junction->group[group].amber_ds;
-    for (uint32_t h = 0U; h < junction->group_count; h++) {
-        if (elmopp_mask_has(starting, h)) {
-            longest_ds = longer(longest_ds, junction->intergreen_ds[group][h]);
-        }
-    }
-    return longest_ds;
-}
-
-/* From the end of a stage's green to the beginning of the next one's. */
-static uint32_t change_ds(const elmopp_junction_t *junction, uint32_t from, uint32_t to) {
-    const uint32_t before = junction->stage_groups[from];
-    const uint32_t after = junction->stage_groups[to];
-    uint32_t longest_ds = 0U;
-    for (uint32_t g = 0U; g < junction->group_count; g++) {
-        if (elmopp_mask_has(before & ~after, g)) {
-            longest_ds = longer(longest_ds, ending_ds(junction, g, after & ~before));
-        }
-        if (elmopp_mask_has(after & ~before, g)) {
-            longest_ds = longer(longest_ds, junction->group[g].red_amber_ds);
-        }
-    }
-    return longest_ds;
-}
 
 static float startup_s(const elmopp_junction_t *junction, uint32_t movement) {
     return (float)junction->movement[movement].startup_ds / DS_PER_S;
@@ -86,17 +55,11 @@ static float startup_s(const elmopp_junction_t *junction, uint32_t movement) {
 
 /* The model moves by whole seconds; a change that ends within one has ended at its end. */
 static void price_change(elmopp_rollout_t *self, uint32_t from, uint32_t to) {
-    const uint32_t ds = change_ds(self->junction, from, to);
-    const uint32_t newly_green = self->sight.serves[to] & ~self->sight.serves[from];
-    float longest_s = 0.0F;
-    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        if (elmopp_mask_has(newly_green, j)) {
-            longest_s = not_below(startup_s(self->junction, j), longest_s);
-        }
-    }
-    const uint32_t whole_s = (ds + ELMOPP_LAMP_TICKS_PER_S - 1U) / ELMOPP_LAMP_TICKS_PER_S;
+    const uint32_t clearing_ds = elmopp_junction_clearing_ds(self->junction, from, to);
+    const uint32_t whole_s = (clearing_ds + ELMOPP_LAMP_TICKS_PER_S - 1U) / ELMOPP_LAMP_TICKS_PER_S;
+    const float starting_s = (float)elmopp_junction_starting_ds(self->junction, from, to) / DS_PER_S;
     self->change_s[from][to] = (uint16_t)whole_s;
-    self->lost_s[from][to] = (float)whole_s + longest_s;
+    self->lost_s[from][to] = (float)whole_s + starting_s;
 }
 
 static void list_served(elmopp_rollout_t *self, uint32_t stage) {

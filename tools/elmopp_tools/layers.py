@@ -35,6 +35,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "chooser": frozenset({"bounds", "junction"}),
     # level 1: not each other
     "account": LEVEL_0,
+    "age": LEVEL_0,
     "ar8": LEVEL_0,
     "detector": LEVEL_0,
     "link": LEVEL_0,
@@ -48,8 +49,9 @@ ROOMS: dict[str, frozenset[str]] = {
     "weights": LEVEL_0 | {"ar8", "lstm_f32"},
     # level 3: not each other; a chooser's forecast comes in the view
     "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
-    "urgency": LEVEL_0,
+    "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
+    "priced": LEVEL_0 | {"age"},
     "rollout": LEVEL_0 | {"sight"},
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link"},
