@@ -165,7 +165,7 @@ elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setti
     options.horizon_s = seconds_or(spec, "horizon", options.horizon_s, 1, ELMOPP_HORIZON_MAX);
     options.row_weight = share_or(spec, "weight", options.row_weight);
     options.red_s = bound_or(spec, "red", options.red_s);
-    options.rule_count = has(spec, "kappa1") ? std::uint8_t{1} : options.rule_count;
+    options.rule_count = has(spec, "one-rule") ? std::uint8_t{1} : options.rule_count;
     return options;
 }
 

@@ -63,32 +63,30 @@ static void look_ten_seconds_ahead(void) {
     options.taper = false;
     options.hold_count = 1U;
     options.hold_s[0] = SHORT_S;
-    options.rule_every_s = SHORT_S;
     options.rule_count = 1U;
     start();
 }
 
-static void test_the_defaults_are_those_of_the_research(void) {
+static void test_the_defaults_are_those_that_were_measured(void) {
     const elmopp_rollout_options_t measured = elmopp_rollout_defaults(8U);
     TEST_ASSERT_EQUAL_UINT16(8U, measured.sight.travel_s);
     TEST_ASSERT_EQUAL_UINT16(5U, measured.min_s);
     TEST_ASSERT_EQUAL_UINT16(60U, measured.max_s);
     TEST_ASSERT_EQUAL_UINT16(120U, measured.red_s);
-    TEST_ASSERT_EQUAL_UINT16(90U, measured.horizon_s);
-    TEST_ASSERT_TRUE(measured.taper);
+    TEST_ASSERT_EQUAL_UINT16(120U, measured.horizon_s);
+    TEST_ASSERT_FALSE(measured.taper);
     const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 3U, 6U};
     TEST_ASSERT_EQUAL_UINT16_ARRAY(hold_s, measured.hold_s, measured.hold_count);
-    const float kappa[ELMOPP_ROLLOUT_RULE_MAX] = {1.0F, 2.0F};
-    TEST_ASSERT_EQUAL_FLOAT_ARRAY(kappa, measured.kappa, measured.rule_count);
-    TEST_ASSERT_EQUAL_UINT16(3U, measured.rule_every_s);
+    const float ratio[ELMOPP_ROLLOUT_RULE_MAX] = {3.0F, 6.0F};
+    TEST_ASSERT_EQUAL_FLOAT_ARRAY(ratio, measured.ratio, measured.rule_count);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.row_weight);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.mean_weight);
 }
 
 static void test_it_asks_for_the_forecast_that_its_horizon_needs(void) {
-    TEST_ASSERT_EQUAL_UINT16(90U, chooser.horizon_s);
+    TEST_ASSERT_EQUAL_UINT16(120U, chooser.horizon_s);
     options = elmopp_rollout_defaults(8U);
-    TEST_ASSERT_EQUAL_UINT16(82U, elmopp_rollout_init(&rollout, &options).horizon_s);
+    TEST_ASSERT_EQUAL_UINT16(112U, elmopp_rollout_init(&rollout, &options).horizon_s);
     options.horizon_s = 8U;
     TEST_ASSERT_EQUAL_UINT16(0U, elmopp_rollout_init(&rollout, &options).horizon_s);
 }
@@ -409,8 +407,8 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
     bad[4].hold_count = 0U;
     bad[5].rule_count = ELMOPP_ROLLOUT_RULE_MAX + 1U;
     bad[6].hold_s[2] = 0U;
-    bad[7].rule_every_s = 0U;
-    bad[8].rate_window_s = 0U;
+    bad[7].ratio[1] = 0.9F;
+    bad[8].mean_weight = -0.1F;
     bad[9].row_weight = 1.1F;
     bad[10].yellow_used_s = -1.0F;
     bad[11].sight.travel_s = ELMOPP_SIGHT_TRAVEL_MAX_S + 1U;
@@ -421,7 +419,7 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
 
 int main(void) {
     UNITY_BEGIN();
-    RUN_TEST(test_the_defaults_are_those_of_the_research);
+    RUN_TEST(test_the_defaults_are_those_that_were_measured);
     RUN_TEST(test_it_asks_for_the_forecast_that_its_horizon_needs);
     RUN_TEST(test_the_first_stage_is_that_of_most_vehicles_times_flow);
     RUN_TEST(test_in_the_intergreen_it_sees_arrivals_and_keeps_the_target);

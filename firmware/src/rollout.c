@@ -8,14 +8,13 @@
 #include <stddef.h>
 
 #define DS_PER_S 10.0F
-#define SPARE_SHARE 0.1F   /* of a flow: a queue is taken to shrink at least so fast */
 #define ROW_MAX_VEH 1.0e6F /* more in a second is no forecast */
 
 /* A first action and the rule that follows it. */
 typedef struct {
     elmopp_stage_t first;
     uint32_t hold_s; /* of the stage shown; 0: `first` is another one */
-    float kappa;
+    float ratio;
 } action_t;
 
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
@@ -23,16 +22,12 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                                       .min_s = 5U,
                                       .max_s = 60U,
                                       .red_s = 120U,
-                                      .horizon_s = 90U,
-                                      .taper = true,
+                                      .horizon_s = 120U,
+                                      .taper = false,
                                       .hold_count = 3U,
                                       .rule_count = 2U,
                                       .hold_s = {1U, 3U, 6U},
-                                      .kappa = {1.0F, 2.0F},
-                                      .rule_every_s = 3U,
-                                      .rate_window_s = 4U,
-                                      .load_window_s = 6U,
-                                      .coming_weight = 0.75F,
+                                      .ratio = {3.0F, 6.0F},
                                       .row_weight = 0.5F,
                                       .mean_weight = 0.5F,
                                       .blocked_share = 0.5F,
@@ -57,9 +52,7 @@ static float startup_s(const elmopp_junction_t *junction, uint32_t movement) {
 static void price_change(elmopp_rollout_t *self, uint32_t from, uint32_t to) {
     const uint32_t clearing_ds = elmopp_junction_clearing_ds(self->junction, from, to);
     const uint32_t whole_s = (clearing_ds + ELMOPP_LAMP_TICKS_PER_S - 1U) / ELMOPP_LAMP_TICKS_PER_S;
-    const float starting_s = (float)elmopp_junction_starting_ds(self->junction, from, to) / DS_PER_S;
     self->change_s[from][to] = (uint16_t)whole_s;
-    self->lost_s[from][to] = (float)whole_s + starting_s;
 }
 
 static void list_served(elmopp_rollout_t *self, uint32_t stage) {
@@ -149,61 +142,14 @@ static float standing(const elmopp_rollout_t *self, uint32_t step, uint32_t move
     return not_below(self->arrived_veh[step][movement] - self->future.left_veh[movement], 0.0F);
 }
 
-static uint32_t step_within(const elmopp_rollout_t *self, uint32_t step) {
-    return (step < self->options.horizon_s) ? step : self->options.horizon_s;
-}
-
-/* Vehicles a second that leave now. */
-static float present_rate(const elmopp_rollout_t *self, uint32_t step) {
-    const elmopp_rollout_future_t *future = &self->future;
-    const uint32_t window_s = self->options.rate_window_s;
-    const uint32_t end = step_within(self, step + window_s);
+/* Queue times flow, summed over a stage. */
+static float pressure_of(const elmopp_rollout_t *self, uint32_t stage, const float *flow, const float *queue_veh) {
     float sum = 0.0F;
-    for (uint32_t i = 0U; i < self->served_count[future->shown]; i++) {
-        const uint32_t j = self->served[future->shown][i];
-        const float queue_veh = standing(self, step, j);
-        const float coming_veh = self->arrived_veh[end][j] - self->arrived_veh[step][j];
-        const float there_veh = queue_veh + (self->options.coming_weight * coming_veh);
-        sum += smaller(flow_of(self, future->flow_veh_per_s, j, queue_veh), there_veh / (float)window_s);
+    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
+        const uint32_t j = self->served[stage][i];
+        sum += queue_veh[j] * smaller(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
     }
     return sum;
-}
-
-/* Seconds of green until a queue is gone, within the window of greens. */
-static float green_s(const elmopp_rollout_t *self, float load_veh, float flow_veh_per_s, float coming_veh_per_s) {
-    const float shrinking = not_below(flow_veh_per_s - coming_veh_per_s, SPARE_SHARE * flow_veh_per_s);
-    const float longest_s = (float)self->options.max_s;
-    const float needed_s = (load_veh < (longest_s * shrinking)) ? (load_veh / shrinking) : longest_s;
-    return not_below(needed_s, (float)self->options.min_s);
-}
-
-/* Vehicles that a stage lets go in so many seconds. */
-static float served_within(const elmopp_rollout_t *self, uint32_t stage, const float *load_veh, float seconds) {
-    const float *flow = self->sight.flow_veh_per_s[stage];
-    float sum_veh = 0.0F;
-    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
-        const uint32_t j = self->served[stage][i];
-        const float come_veh = load_veh[j] + (self->expected_veh_per_s[j] * seconds);
-        sum_veh += smaller(come_veh, flow_of(self, flow, j, load_veh[j]) * seconds);
-    }
-    return sum_veh;
-}
-
-/* The greatest mean rate at which a stage serves, the change to it included: green until one of its queues is gone. */
-static float service_rate(const elmopp_rollout_t *self, uint32_t stage, const float *load_veh) {
-    const float lost_s = self->lost_s[self->future.shown][stage];
-    float best = 0.0F;
-    float tried_s = 0.0F;
-    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
-        const uint32_t j = self->served[stage][i];
-        const float flow = flow_of(self, self->sight.flow_veh_per_s[stage], j, load_veh[j]);
-        const float seconds = green_s(self, load_veh[j], flow, self->expected_veh_per_s[j]);
-        if ((seconds < tried_s) || (seconds > tried_s)) {
-            best = not_below(served_within(self, stage, load_veh, seconds) / (lost_s + seconds), best);
-            tried_s = seconds;
-        }
-    }
-    return best;
 }
 
 /* The reactive rule: the stage that it wants shown in second `step`. */
@@ -212,22 +158,23 @@ static elmopp_stage_t react(const elmopp_rollout_t *self, uint32_t step) {
     if (future->elapsed_s < self->options.min_s) {
         return future->shown;
     }
-    float load_veh[ELMOPP_MOVEMENT_MAX];
-    const uint32_t end = step_within(self, step + self->options.load_window_s);
+    float queue_veh[ELMOPP_MOVEMENT_MAX];
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        load_veh[j] = standing(self, end, j);
+        queue_veh[j] = standing(self, step, j);
     }
+    float own = 0.0F;
+    float greatest = 0.0F;
     elmopp_stage_t best = future->shown;
-    float best_rate = 0.0F;
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        const float rate = (s != future->shown) ? service_rate(self, s, load_veh) : 0.0F;
-        if (rate > best_rate) {
+        const float *flow = (s == future->shown) ? future->flow_veh_per_s : self->sight.flow_veh_per_s[s];
+        const float sum = pressure_of(self, s, flow, queue_veh);
+        own = (s == future->shown) ? sum : own;
+        if (sum > greatest) {
             best = (elmopp_stage_t)s;
-            best_rate = rate;
+            greatest = sum;
         }
     }
-    const bool leave =
-        (future->elapsed_s >= self->options.max_s) || (best_rate > (future->kappa * present_rate(self, step)));
+    const bool leave = (future->elapsed_s >= self->options.max_s) || (greatest > (future->ratio * own));
     return leave ? best : future->shown;
 }
 
@@ -235,8 +182,7 @@ static elmopp_stage_t wish(const elmopp_rollout_t *self, const action_t *action,
     if (step == 0U) {
         return action->first;
     }
-    const bool asked = (step >= action->hold_s) && (((step - action->hold_s) % self->options.rule_every_s) == 0U);
-    return asked ? react(self, step) : self->future.shown;
+    return (step >= action->hold_s) ? react(self, step) : self->future.shown;
 }
 
 static void begin_change(elmopp_rollout_t *self, elmopp_stage_t wanted) {
@@ -315,7 +261,7 @@ static void play_second(elmopp_rollout_t *self, const action_t *action, uint32_t
 static float cost_of(elmopp_rollout_t *self, const elmopp_view_t *view, const action_t *action) {
     const uint32_t horizon_s = self->options.horizon_s;
     self->future = (elmopp_rollout_future_t){.flow_veh_per_s = self->present_flow_veh_per_s,
-                                             .kappa = action->kappa,
+                                             .ratio = action->ratio,
                                              .elapsed_s = (uint32_t)view->elapsed_ds / ELMOPP_LAMP_TICKS_PER_S,
                                              .shown = view->stage,
                                              .target = ELMOPP_STAGE_NONE};
@@ -340,7 +286,7 @@ static float value_of(elmopp_rollout_t *self, const elmopp_view_t *view, uint32_
         for (uint32_t r = 0U; r < self->options.rule_count; r++) {
             const action_t action = {.first = (elmopp_stage_t)stage,
                                      .hold_s = keep ? self->options.hold_s[h] : 0U,
-                                     .kappa = self->options.kappa[r]};
+                                     .ratio = self->options.ratio[r]};
             const float cost = cost_of(self, view, &action);
             best = ((h + r) == 0U) ? cost : smaller(cost, best);
         }
@@ -474,12 +420,14 @@ elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollou
     ELMOPP_ASSERT((options->horizon_s >= 1U) && (options->horizon_s <= ELMOPP_HORIZON_MAX));
     ELMOPP_ASSERT((options->hold_count >= 1U) && (options->hold_count <= ELMOPP_ROLLOUT_HOLD_MAX));
     ELMOPP_ASSERT((options->rule_count >= 1U) && (options->rule_count <= ELMOPP_ROLLOUT_RULE_MAX));
-    ELMOPP_ASSERT((options->rule_every_s >= 1U) && (options->rate_window_s >= 1U));
-    ELMOPP_ASSERT(is_share(options->row_weight) && is_share(options->mean_weight) && is_share(options->coming_weight));
+    ELMOPP_ASSERT(is_share(options->row_weight) && is_share(options->mean_weight));
     ELMOPP_ASSERT(is_share(options->blocked_share) && (options->yellow_used_s >= 0.0F));
     ELMOPP_ASSERT(options->sight.travel_s <= ELMOPP_SIGHT_TRAVEL_MAX_S);
     for (uint32_t h = 0U; h < options->hold_count; h++) {
         ELMOPP_ASSERT(options->hold_s[h] >= 1U);
+    }
+    for (uint32_t r = 0U; r < options->rule_count; r++) {
+        ELMOPP_ASSERT(options->ratio[r] >= 1.0F);
     }
     *self = (elmopp_rollout_t){.options = *options};
     const uint16_t travel_s = options->sight.travel_s;

@@ -135,9 +135,8 @@ def make_case(seed: int) -> Case:
     site, amber, intergreen = junction(source)
     setting = REFERENCE.Setting(
         travel=source.choice([0, 4, 8, 12]),
-        horizon=source.choice([90, 90, 60, 150]),
-        taper=source.random() < 0.8,
-        every=source.choice([1, 3, 3]),
+        horizon=source.choice([120, 120, 60, 150]),
+        taper=source.random() < 0.2,
         r_trig=source.choice([0, 60, 120, 1000]),
         f_rows=source.choice([0.5, 1.0]),
     )
@@ -152,7 +151,7 @@ def numbers_of(case: Case) -> list[float]:
         numbers += [site.saturation[j], 10 * site.startup[j], site.capacity[j], site.lanes[j], site.approach[j]]
         numbers += [case.amber_ds[j], *case.intergreen_ds[j]]
     numbers += site.stages
-    numbers += [setting.travel, setting.horizon, setting.taper, setting.r_trig, setting.f_rows, setting.every]
+    numbers += [setting.travel, setting.horizon, setting.taper, setting.r_trig, setting.f_rows]
     numbers += [len(case.seconds), len(case.seconds[0].rows[0]) if case.seconds[0].rows else 0]
     for second in case.seconds:
         numbers += [second.stage, second.target, 10 * second.elapsed_s]

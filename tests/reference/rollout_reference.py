@@ -5,7 +5,7 @@
 Every loop is written out as the specification has it: queues are stepped second by second, arrivals kept one by one,
 sums taken anew. Where the firmware's header departs from the pseudo-code, so does this: the clock on red restarts on a
 departure; a stage serves a movement if all its groups are in it; nobody is hidden without a reach; a second teaches one
-vehicle a lane at most; the rule is asked every third modelled second after the hold.
+vehicle a lane at most; the reactive rule is pressure's, asked in every modelled second after the hold.
 """
 
 from __future__ import annotations
@@ -45,11 +45,10 @@ class Setting:
     """What the specification calls fixed."""
 
     travel: int = 0
-    horizon: int = 90
-    taper: bool = True
+    horizon: int = 120
+    taper: bool = False
     holds: tuple[int, ...] = (1, 3, 6)
-    kappas: tuple[float, ...] = (1.0, 2.0)
-    every: int = 3
+    ratios: tuple[float, ...] = (3.0, 6.0)
     g_min: int = 5
     g_max: int = 60
     r_trig: int = 120
@@ -147,9 +146,9 @@ class Rollout:
         values = {}
         for s in range(len(self.site.stages)):
             if s == cur and elapsed < self.setting.g_max:
-                tries = [(s, hold, kappa) for hold in self.setting.holds for kappa in self.setting.kappas]
+                tries = [(s, hold, ratio) for hold in self.setting.holds for ratio in self.setting.ratios]
             elif s != cur and any(self.n[j] > 0.0 and self.serves_well(s, j) for j in lanes):
-                tries = [(s, 0, kappa) for kappa in self.setting.kappas]
+                tries = [(s, 0, ratio) for ratio in self.setting.ratios]
             else:
                 continue
             values[s] = min(self.roll(cur, elapsed, *each) for each in tries)
@@ -181,7 +180,7 @@ class Rollout:
     def _flow(self, flow: list[float], lane: int, queue: float) -> float:
         return self.site.by_law(lane, queue) if self.site.law else flow[lane]
 
-    def roll(self, cur: int, elapsed: int, first: int, hold: int, kappa: float) -> float:
+    def roll(self, cur: int, elapsed: int, first: int, hold: int, ratio: float) -> float:
         site, lanes, horizon = self.site, range(len(self.n)), self.setting.horizon
         x, g, e, su = list(self.q), cur, elapsed, [0.0] * len(self.n)
         target, left, cost, flow = NEVER, 0, 0.0, self.sx
@@ -190,8 +189,8 @@ class Rollout:
                 want = g
                 if k == 0:
                     want = first
-                elif k >= hold and (k - hold) % self.setting.every == 0:
-                    want = self.base(g, e, kappa, x, k, flow)
+                elif k >= hold:
+                    want = self.base(g, e, ratio, x, flow)
                 if want != g:
                     target, left = want, site.change[g][want]
             for lane in lanes:
@@ -218,31 +217,19 @@ class Rollout:
                 e += 1
         return cost
 
-    def base(self, g: int, e: int, kappa: float, x: list[float], k: int, flow: list[float]) -> int:
-        site, setting, lanes = self.site, self.setting, range(len(self.n))
+    def base(self, g: int, e: int, ratio: float, x: list[float], flow: list[float]) -> int:
+        site, setting = self.site, self.setting
         if e < setting.g_min:
             return g
-        coming = [[sum(second[j] for second in self.a[k : k + width]) for j in lanes] for width in (4, 6)]
-        present = sum(
-            min(self._flow(flow, j, x[j]), (x[j] + 0.75 * coming[0][j]) / 4) for j in lanes if site.serves(g, j)
-        )
-        m = [x[j] + coming[1][j] for j in lanes]
-        rates = {s: self._rate(g, s, m) for s in range(len(site.stages)) if s != g}
-        if not rates or max(rates.values()) <= 0.0:
+        pressure = [
+            sum(
+                x[j] * min(self._flow(flow if s == g else self.sat[s], j, x[j]), x[j])
+                for j in range(len(x))
+                if site.serves(s, j)
+            )
+            for s in range(len(site.stages))
+        ]
+        best = max(range(len(pressure)), key=lambda s: (pressure[s], -s))
+        if pressure[best] <= 0.0:
             return g
-        best = max(rates, key=lambda s: (rates[s], -s))
-        return best if e >= setting.g_max or rates[best] > kappa * present else g
-
-    def _rate(self, g: int, stage: int, m: list[float]) -> float:
-        site, setting = self.site, self.setting
-        served = [j for j in range(len(m)) if site.serves(stage, j)]
-        sat = {j: self._flow(self.sat[stage], j, m[j]) for j in served}
-        newly = [site.startup[j] for j in served if not site.serves(g, j)]
-        tau = site.change[g][stage] + max(newly, default=0.0)
-        come = {j: setting.f_mean * self.lam[j] for j in served}
-        best = 0.0
-        for j in served:
-            shrink = max(sat[j] - come[j], 0.1 * sat[j])
-            t = max(m[j] / shrink if m[j] < setting.g_max * shrink else float(setting.g_max), float(setting.g_min))
-            best = max(best, sum(min(m[i] + come[i] * t, sat[i] * t) for i in served) / (tau + t))
-        return best
+        return best if e >= setting.g_max or pressure[best] > ratio * pressure[g] else g

@@ -5,8 +5,8 @@
 ///
 /// Once a second, when the stage shown is min_s old, it plays the next horizon_s seconds for each first action: keep
 /// the stage for one of a few times, or change to another stage that somebody waits for. After the first action a
-/// reactive rule decides. The cost V of an action is the sum of all queues over the seconds, the near ones weighing
-/// more; the least V wins, ties go to the lowest index. The score of a stage is -V, 0 where it was not tried.
+/// reactive rule decides. The cost V of an action is the sum of all queues over the seconds; the least V wins, ties go
+/// to the lowest index. The score of a stage is -V, 0 where it was not tried.
 ///
 /// The model. A queue stands at the stop line of each movement. Who drives reaches it when he must (sight.h), who will
 /// come is foreseen: the view's rows at row_weight, each movement with its share, or, without rows, the mean of the
@@ -15,8 +15,10 @@
 /// the site's intergreen, of whose amber yellow_used_s are still driven, and the start-up of what is newly green: the
 /// price of a change is worked out, never set.
 ///
-/// The reactive rule. Leave for the stage that serves most vehicles a second, the change included, if that is more than
-/// kappa times what leaves now; at max_s leave anyway. It is asked every rule_every_s modelled seconds.
+/// The reactive rule is that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of
+/// queue times flow when that is more than ratio times the own one's; at max_s leave anyway. Two ratios are played and
+/// the cheaper counts: the small one changes soon, which is right in light traffic, the great one empties its queues
+/// first, which is right where every change costs capacity. That nothing else says which it is, is the point.
 ///
 /// Before that: where nobody waits on red, green rests. A movement that has waited red_s on the chooser's own clock
 /// (sight.h) gets the stage that serves it best, whatever it costs. The wait so bounded is that of a movement, not of a
@@ -26,9 +28,9 @@
 ///
 /// What it never does: touch a lamp, look at a route, learn a parameter but the flows of sight.h, ask for a stage that
 /// there is not. Every loop ends at a bound of bounds.h; one decision takes at most
-/// (stages - 1 + holds) times rules rollouts of horizon_s seconds, with the rule in each rule_every_s-th of them.
+/// (stages - 1 + holds) times rules rollouts of horizon_s seconds.
 ///
-/// The idea is rollout over a base policy (Bertsekas), the rule is Laemmer and Helbing's greatest service rate.
+/// The idea is rollout over base policies (Bertsekas); why these, and what was tried: docs/design.md.
 ///
 /// Its state is fixed memory that the caller owns: about 30 kB. Not thread-safe; one owner.
 
@@ -50,13 +52,9 @@ typedef struct {
     uint16_t horizon_s;                       ///< 1 to ELMOPP_HORIZON_MAX
     bool taper;                               ///< the weight of a second falls to 0 at the horizon
     uint8_t hold_count;                       ///< of hold_s, at least 1
-    uint8_t rule_count;                       ///< of kappa, at least 1
+    uint8_t rule_count;                       ///< of ratio, at least 1
     uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX]; ///< how long the stage shown may be kept before the rule decides; >= 1
-    float kappa[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much better another stage must be for the rule
-    uint16_t rule_every_s;                    ///< at least 1
-    uint16_t rate_window_s;                   ///< the rule's present rate counts who comes within so long; at least 1
-    uint16_t load_window_s;                   ///< ... and its load who comes within so long
-    float coming_weight;                      ///< of those who come in the present rate
+    float ratio[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much more another stage must press for the rule; at least 1
     float row_weight;                         ///< of the foreseen rows, 0 to 1
     float mean_weight;                        ///< of the mean arrivals, 0 to 1
     float blocked_share;                      ///< of its flow, for a movement that is blocked
@@ -69,7 +67,7 @@ typedef struct {
     float left_veh[ELMOPP_MOVEMENT_MAX];  ///< departures until now
     float startup_s[ELMOPP_MOVEMENT_MAX]; ///< of the start-up, still to come
     float left_sum_veh;                   ///< all departures
-    float kappa;
+    float ratio;
     uint32_t elapsed_s;    ///< of the stage shown
     uint32_t change_s;     ///< the intergreen to the target
     uint32_t remaining_s;  ///< ... and what is left of it
@@ -86,14 +84,13 @@ typedef struct {
     uint8_t served_count[ELMOPP_STAGE_MAX];                          ///< movements that a stage lets go ...
     uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];           ///< ... and which
     uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX];           ///< [from][to] intergreen in whole seconds
-    float lost_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX];                ///< [from][to] the same and the longest start-up
     float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];               ///< in the stage shown now, less where blocked
     float expected_veh_per_s[ELMOPP_MOVEMENT_MAX];                   ///< mean arrivals as they are weighted
     float arrived_veh[ELMOPP_HORIZON_MAX + 1U][ELMOPP_MOVEMENT_MAX]; ///< [step] the queue and who comes before it
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
 } elmopp_rollout_t;
 
-/// The measured setting: horizon 90 s with taper, holds 1, 3 and 6 s, kappa 1 and 2, green 5 to 60 s, red 120 s.
+/// The measured setting: horizon 120 s, holds 1, 3 and 6 s, ratios 3 and 6, green 5 to 60 s, red 120 s.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
