@@ -36,10 +36,11 @@ static uint32_t driven_ds(const elmopp_junction_t *junction, uint32_t from, uint
 static float price_s(const elmopp_junction_t *junction, uint32_t from, uint32_t to) {
     const uint32_t lost_ds =
         elmopp_junction_clearing_ds(junction, from, to) + elmopp_junction_starting_ds(junction, from, to);
-    return (float)(lost_ds - shorter(driven_ds(junction, from, to), lost_ds)) / DS_PER_S;
+    const uint32_t price_ds = lost_ds - shorter(driven_ds(junction, from, to), lost_ds);
+    return (float)price_ds / DS_PER_S;
 }
 
-static void prepare(elmopp_priced_t *self, const elmopp_junction_t *junction) {
+static void price_changes(elmopp_priced_t *self, const elmopp_junction_t *junction) {
     self->junction = junction;
     for (uint32_t s = 0U; s < junction->stage_count; s++) {
         self->serves[s] = elmopp_junction_served(junction, junction->stage_groups[s]);
@@ -51,16 +52,16 @@ static void prepare(elmopp_priced_t *self, const elmopp_junction_t *junction) {
 
 /* --- rates of urgency --- */
 
-static float smaller(float one, float other) {
+static float min_of(float one, float other) {
     return (one < other) ? one : other;
 }
 
-static float not_below(float value, float bound) {
+static float max_of(float value, float bound) {
     return (value > bound) ? value : bound;
 }
 
-static float held_in(float value, float low, float high) {
-    return not_below(smaller(value, high), low);
+static float clamped(float value, float low, float high) {
+    return max_of(min_of(value, high), low);
 }
 
 /* Urgency that leaves in so many seconds of green. */
@@ -70,7 +71,7 @@ static float leaving(const side_t *side, float seconds) {
         if (elmopp_mask_has(side->movements, j)) {
             const float queue_veh = side->view->queue_veh[j];
             const float flow = elmopp_junction_discharge(side->view->junction, j, queue_veh);
-            sum += side->weight[j] * smaller(queue_veh, flow * seconds);
+            sum += side->weight[j] * min_of(queue_veh, flow * seconds);
         }
     }
     return sum;
@@ -83,8 +84,9 @@ static float best_rate(const side_t *side, float lost_s, float least_s, float mo
         if (elmopp_mask_has(side->movements, j)) {
             const float queue_veh = side->view->queue_veh[j];
             const float flow = elmopp_junction_discharge(side->view->junction, j, queue_veh);
-            const float needed_s = (queue_veh < (most_s * flow)) ? (queue_veh / flow) : most_s;
-            const float green_s = held_in(needed_s, least_s, most_s);
+            const bool ends = queue_veh < (most_s * flow); /* and so flow is not 0 */
+            const float needed_s = ends ? (queue_veh / flow) : most_s;
+            const float green_s = clamped(needed_s, least_s, most_s);
             const float rate = leaving(side, green_s) / (lost_s + green_s);
             best = (rate > best) ? rate : best;
         }
@@ -101,7 +103,7 @@ static float vehicle_weight(const elmopp_priced_t *self, const elmopp_view_t *vi
     return age * elmopp_junction_load(view->junction, movement, 1.0F);
 }
 
-static bool is_asked_for(const side_t *side) {
+static bool is_called(const side_t *side) {
     bool found = false;
     for (uint32_t j = 0U; j < side->view->junction->movement_count; j++) {
         found = found || (elmopp_mask_has(side->movements, j) && (side->view->queue_veh[j] > 0.0F));
@@ -126,12 +128,12 @@ static float lead_of(const elmopp_priced_t *self, const side_t *other, uint32_t 
     const uint32_t shown = other->view->stage;
     const side_t own = {other->view, other->weight, self->serves[shown] & ~self->serves[stage]};
     const float price = ELMOPP_PRICED_CHANGES * self->price_s[shown][stage];
-    const float longest_s = not_below((float)self->max_s, ELMOPP_PRICED_WINDOW_S);
+    const float longest_s = max_of((float)self->max_s, ELMOPP_PRICED_WINDOW_S);
     return best_rate(other, price, (float)self->min_s, (float)self->max_s) -
            best_rate(&own, 0.0F, ELMOPP_PRICED_WINDOW_S, longest_s);
 }
 
-static elmopp_stage_t hold_or_leave(const elmopp_priced_t *self, side_t *side, float score[ELMOPP_STAGE_MAX]) {
+static elmopp_stage_t best_lead(const elmopp_priced_t *self, side_t *side, float score[ELMOPP_STAGE_MAX]) {
     const elmopp_stage_t shown = side->view->stage;
     const uint32_t elapsed_s = (uint32_t)side->view->elapsed_ds / ELMOPP_LAMP_TICKS_PER_S;
     const bool over = elapsed_s >= self->max_s;
@@ -140,7 +142,7 @@ static elmopp_stage_t hold_or_leave(const elmopp_priced_t *self, side_t *side, f
         if (s != shown) {
             side->movements = self->serves[s] & ~self->serves[shown];
             score[s] = lead_of(self, side, s);
-            const bool first_over = over && (wanted == shown) && is_asked_for(side);
+            const bool first_over = over && (wanted == shown) && is_called(side);
             const bool better = score[s] > ((wanted == shown) ? 0.0F : score[wanted]);
             wanted = (first_over || better) ? (elmopp_stage_t)s : wanted;
         }
@@ -151,7 +153,7 @@ static elmopp_stage_t hold_or_leave(const elmopp_priced_t *self, side_t *side, f
 static elmopp_stage_t choose_priced(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     elmopp_priced_t *self = state;
     if (self->junction == NULL) {
-        prepare(self, view->junction);
+        price_changes(self, view->junction);
     }
     ELMOPP_ASSERT(self->junction == view->junction);
     float weight[ELMOPP_MOVEMENT_MAX];
@@ -164,7 +166,7 @@ static elmopp_stage_t choose_priced(void *state, const elmopp_view_t *view, floa
     side_t side = {view, weight, 0U};
     elmopp_stage_t wanted;
     if (view->stage < self->junction->stage_count) {
-        wanted = hold_or_leave(self, &side, score);
+        wanted = best_lead(self, &side, score);
     } else if (view->target < self->junction->stage_count) {
         wanted = view->target; /* in the intergreen: the plan has committed itself */
     } else {

@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #define DS_PER_S 10.0F
+#define NOBODY_VEH 0.01F   /* for the rule: less is rounding, and must not call for a change */
 #define ROW_MAX_VEH 1.0e6F /* more in a second is no forecast */
 
 /* A first action and the rule that follows it. */
@@ -34,11 +35,11 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                                       .yellow_used_s = 1.0F};
 }
 
-static float smaller(float one, float other) {
+static float lesser(float one, float other) {
     return (one < other) ? one : other;
 }
 
-static float not_below(float value, float bound) {
+static float no_less(float value, float bound) {
     return (value > bound) ? value : bound;
 }
 
@@ -66,7 +67,7 @@ static void list_served(elmopp_rollout_t *self, uint32_t stage) {
     self->served_count[stage] = (uint8_t)count;
 }
 
-static void prepare(elmopp_rollout_t *self, const elmopp_junction_t *junction) {
+static void know(elmopp_rollout_t *self, const elmopp_junction_t *junction) {
     self->junction = junction;
     elmopp_sight_init(&self->sight, junction, &self->options.sight);
     for (uint32_t s = 0U; s < junction->stage_count; s++) {
@@ -86,7 +87,7 @@ static float foreseen(const elmopp_rollout_t *self, const elmopp_view_t *view, u
         return self->expected_veh_per_s[movement];
     }
     const float said_veh = view->foreseen_veh[self->junction->movement[movement].approach][row];
-    const float came_veh = (said_veh > 0.0F) ? smaller(said_veh, ROW_MAX_VEH) : 0.0F; /* a NaN is nobody */
+    const float came_veh = (said_veh > 0.0F) ? lesser(said_veh, ROW_MAX_VEH) : 0.0F; /* a NaN is nobody */
     return self->options.row_weight * view->share[movement] * came_veh;
 }
 
@@ -103,8 +104,8 @@ static void sum_arrivals(elmopp_rollout_t *self, const elmopp_view_t *view, uint
             came_veh = sight->due_veh[movement][k];
         } else {
             came_veh = foreseen(self, view, movement, k);
-            const float room_veh = not_below(sight->site_veh_per_s[movement] - came_veh, 0.0F);
-            const float shown_veh = smaller(room_veh, hidden_veh);
+            const float room_veh = no_less(sight->site_veh_per_s[movement] - came_veh, 0.0F);
+            const float shown_veh = lesser(room_veh, hidden_veh);
             hidden_veh -= shown_veh;
             came_veh += shown_veh;
         }
@@ -113,7 +114,7 @@ static void sum_arrivals(elmopp_rollout_t *self, const elmopp_view_t *view, uint
     }
 }
 
-static void look_ahead(elmopp_rollout_t *self, const elmopp_view_t *view) {
+static void expect_all(elmopp_rollout_t *self, const elmopp_view_t *view) {
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         sum_arrivals(self, view, j);
         const float flow = self->sight.flow_veh_per_s[view->stage][j];
@@ -139,7 +140,7 @@ static float flow_of(const elmopp_rollout_t *self, const float *flow_veh_per_s, 
 
 /* Queue of a movement before second `step` of the future. */
 static float standing(const elmopp_rollout_t *self, uint32_t step, uint32_t movement) {
-    return not_below(self->arrived_veh[step][movement] - self->future.left_veh[movement], 0.0F);
+    return no_less(self->arrived_veh[step][movement] - self->future.left_veh[movement], 0.0F);
 }
 
 /* Queue times flow, summed over a stage. */
@@ -147,7 +148,7 @@ static float pressure_of(const elmopp_rollout_t *self, uint32_t stage, const flo
     float sum = 0.0F;
     for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
         const uint32_t j = self->served[stage][i];
-        sum += queue_veh[j] * smaller(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
+        sum += queue_veh[j] * lesser(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
     }
     return sum;
 }
@@ -160,7 +161,8 @@ static elmopp_stage_t react(const elmopp_rollout_t *self, uint32_t step) {
     }
     float queue_veh[ELMOPP_MOVEMENT_MAX];
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        queue_veh[j] = standing(self, step, j);
+        const float standing_veh = standing(self, step, j);
+        queue_veh[j] = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
     }
     float own = 0.0F;
     float greatest = 0.0F;
@@ -215,7 +217,7 @@ static float open_flow(const elmopp_rollout_t *self, uint32_t movement, float qu
     if (future->target != ELMOPP_STAGE_NONE) {
         const bool stays = elmopp_mask_has(self->sight.serves[future->target], movement);
         const float *next = self->sight.flow_veh_per_s[future->target];
-        flow = stays ? smaller(flow, flow_of(self, next, movement, queue_veh)) : (flow * amber_share);
+        flow = stays ? lesser(flow, flow_of(self, next, movement, queue_veh)) : (flow * amber_share);
     }
     return flow;
 }
@@ -223,8 +225,9 @@ static float open_flow(const elmopp_rollout_t *self, uint32_t movement, float qu
 /* One second of departures. */
 static void let_go(elmopp_rollout_t *self, uint32_t step) {
     elmopp_rollout_future_t *future = &self->future;
-    const float changing_s = (float)(future->change_s - future->remaining_s);
-    const float amber_share = smaller(not_below(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
+    const uint32_t since_s = future->change_s - future->remaining_s;
+    const float changing_s = (float)since_s;
+    const float amber_share = lesser(no_less(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
     for (uint32_t i = 0U; i < self->served_count[future->shown]; i++) {
         const uint32_t j = self->served[future->shown][i];
         const float lost_s = future->startup_s[j];
@@ -233,7 +236,7 @@ static void let_go(elmopp_rollout_t *self, uint32_t step) {
         } else {
             const float queue_veh = standing(self, step + 1U, j);
             const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
-            const float leaving_veh = smaller(flow, queue_veh);
+            const float leaving_veh = lesser(flow, queue_veh);
             future->startup_s[j] = 0.0F;
             future->left_veh[j] += leaving_veh;
             future->left_sum_veh += leaving_veh;
@@ -268,7 +271,7 @@ static float cost_of(elmopp_rollout_t *self, const elmopp_view_t *view, const ac
     float cost = 0.0F;
     for (uint32_t k = 0U; k < horizon_s; k++) {
         play_second(self, action, k);
-        const float queues_veh = not_below(self->arrived_sum_veh[k + 1U] - self->future.left_sum_veh, 0.0F);
+        const float queues_veh = no_less(self->arrived_sum_veh[k + 1U] - self->future.left_sum_veh, 0.0F);
         const float weight = self->options.taper ? (1.0F - ((float)k / (float)horizon_s)) : 1.0F;
         cost += weight * queues_veh;
     }
@@ -288,7 +291,7 @@ static float value_of(elmopp_rollout_t *self, const elmopp_view_t *view, uint32_
                                      .hold_s = keep ? self->options.hold_s[h] : 0U,
                                      .ratio = self->options.ratio[r]};
             const float cost = cost_of(self, view, &action);
-            best = ((h + r) == 0U) ? cost : smaller(cost, best);
+            best = ((h + r) == 0U) ? cost : lesser(cost, best);
         }
     }
     return best;
@@ -302,7 +305,7 @@ static bool is_somebody_passed_over(const elmopp_rollout_t *self, uint32_t stage
     return found;
 }
 
-static bool is_asked_for(const elmopp_rollout_t *self, uint32_t stage) {
+static bool is_called_for(const elmopp_rollout_t *self, uint32_t stage) {
     bool found = false;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         found = found || ((self->sight.present_veh[j] > 0.0F) && elmopp_sight_is_served(&self->sight, stage, j));
@@ -363,10 +366,10 @@ static elmopp_stage_t heaviest_stage(const elmopp_rollout_t *self) {
 
 static elmopp_stage_t cheapest(elmopp_rollout_t *self, const elmopp_view_t *view, uint32_t elapsed_s,
                                float score[ELMOPP_STAGE_MAX]) {
-    look_ahead(self, view);
+    expect_all(self, view);
     elmopp_stage_t best = ELMOPP_STAGE_NONE;
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        const bool tried = (s == view->stage) ? (elapsed_s < self->options.max_s) : is_asked_for(self, s);
+        const bool tried = (s == view->stage) ? (elapsed_s < self->options.max_s) : is_called_for(self, s);
         if (tried) {
             score[s] = -value_of(self, view, s);
             best = ((best == ELMOPP_STAGE_NONE) || (score[s] > score[best])) ? (elmopp_stage_t)s : best;
@@ -375,7 +378,7 @@ static elmopp_stage_t cheapest(elmopp_rollout_t *self, const elmopp_view_t *view
     return (best == ELMOPP_STAGE_NONE) ? view->stage : best;
 }
 
-static elmopp_stage_t decide(elmopp_rollout_t *self, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
+static elmopp_stage_t decide_by_cost(elmopp_rollout_t *self, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     const uint32_t elapsed_s = (uint32_t)view->elapsed_ds / ELMOPP_LAMP_TICKS_PER_S;
     if ((elapsed_s < self->options.min_s) || (!is_somebody_passed_over(self, view->stage))) {
         return view->stage;
@@ -393,7 +396,7 @@ static elmopp_stage_t decide(elmopp_rollout_t *self, const elmopp_view_t *view, 
 static elmopp_stage_t choose_by_rollout(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     elmopp_rollout_t *self = state;
     if (self->junction == NULL) {
-        prepare(self, view->junction);
+        know(self, view->junction);
     }
     ELMOPP_ASSERT(self->junction == view->junction);
     for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
@@ -402,7 +405,7 @@ static elmopp_stage_t choose_by_rollout(void *state, const elmopp_view_t *view, 
     elmopp_sight_observe(&self->sight, view);
     elmopp_stage_t wanted;
     if (view->stage < self->junction->stage_count) {
-        wanted = decide(self, view, score);
+        wanted = decide_by_cost(self, view, score);
     } else if (view->target < self->junction->stage_count) {
         wanted = view->target; /* in the intergreen: the plan has committed itself */
     } else {

@@ -52,12 +52,12 @@ void elmopp_sight_init(elmopp_sight_t *self, const elmopp_junction_t *junction, 
     }
 }
 
-static float smaller(float one, float other) {
+static float no_more(float one, float other) {
     return (one < other) ? one : other;
 }
 
-static float held_in(float value, float low, float high) {
-    return (value > low) ? smaller(value, high) : low;
+static float within(float value, float low, float high) {
+    return (value > low) ? no_more(value, high) : low;
 }
 
 /* Who is due first has left first, until no more drive than are there. Returns who still drive. */
@@ -67,8 +67,8 @@ static float drop_excess(float *due_veh, uint32_t travel_s, float present_veh) {
         driving_veh += due_veh[t];
     }
     float excess_veh = driving_veh - present_veh;
-    for (uint32_t t = 0U; (t < travel_s) && (excess_veh > 0.0F); t++) {
-        const float leaving_veh = smaller(excess_veh, due_veh[t]);
+    for (uint32_t t = 0U; t < travel_s; t++) {
+        const float leaving_veh = (excess_veh > 0.0F) ? no_more(excess_veh, due_veh[t]) : 0.0F;
         due_veh[t] -= leaving_veh;
         driving_veh -= leaving_veh;
         excess_veh -= leaving_veh;
@@ -97,30 +97,31 @@ static void expect(elmopp_sight_t *self, uint32_t movement, float arrived_veh) {
     const bool full = reach && (self->present_veh[movement] >= (FULL_SHARE * capacity_veh));
     float *mean = &self->mean_veh_per_s[movement];
     const float missing_veh = *mean - arrived_veh;
-    self->hidden_veh[movement] = full ? held_in(self->hidden_veh[movement] + missing_veh, 0.0F, capacity_veh) : 0.0F;
+    self->hidden_veh[movement] = full ? within(self->hidden_veh[movement] + missing_veh, 0.0F, capacity_veh) : 0.0F;
     if ((!full) || (missing_veh < 0.0F)) {
         *mean -= missing_veh / (float)self->mean_s;
     }
 }
 
 /* A second in which a standing queue was let go by a stage that has settled. */
-static void learn(elmopp_sight_t *self, uint32_t stage, uint32_t movement, float left_veh) {
+static void learn_flow(elmopp_sight_t *self, uint32_t stage, uint32_t movement, float left_veh) {
     const float site = self->site_veh_per_s[movement];
     const float lanes = (float)self->junction->movement[movement].lanes;
-    const float most_veh = ((2.0F * site) > lanes) ? (2.0F * site) : lanes;
+    const float twice_veh = 2.0F * site;
+    const float most_veh = (twice_veh > lanes) ? twice_veh : lanes;
     const float kept = 1.0F - self->options.forget_per_s;
     float *veh = &self->learnt_veh[stage][movement];
     float *seconds = &self->learnt_s[stage][movement];
-    *veh = (*veh * kept) + held_in(left_veh, 0.0F, most_veh);
+    *veh = (*veh * kept) + within(left_veh, 0.0F, most_veh);
     *seconds = (*seconds * kept) + 1.0F;
     const float mean = ((site * self->options.prior_s) + *veh) / (self->options.prior_s + *seconds);
-    self->flow_veh_per_s[stage][movement] = held_in(mean, LEAST_FLOW_SHARE * site, MOST_FLOW_SHARE * site);
+    self->flow_veh_per_s[stage][movement] = within(mean, LEAST_FLOW_SHARE * site, MOST_FLOW_SHARE * site);
 }
 
 /* `queued_veh`: a second ago. */
 static void watch_queue(elmopp_sight_t *self, uint32_t stage, uint32_t movement, float queued_veh, float left_veh) {
     if (queued_veh >= (STANDING_VEH_PER_LANE * (float)self->junction->movement[movement].lanes)) {
-        learn(self, stage, movement, left_veh);
+        learn_flow(self, stage, movement, left_veh);
     }
     uint16_t *idle_s = &self->idle_s[movement];
     if ((queued_veh < QUEUED_VEH) || (left_veh >= LEFT_VEH)) {

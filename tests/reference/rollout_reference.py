@@ -221,6 +221,7 @@ class Rollout:
         site, setting = self.site, self.setting
         if e < setting.g_min:
             return g
+        x = [queue if queue >= LEFT else 0.0 for queue in x]
         pressure = [
             sum(
                 x[j] * min(self._flow(flow if s == g else self.sat[s], j, x[j]), x[j])
