@@ -84,8 +84,10 @@ static float best_rate(const side_t *side, float lost_s, float least_s, float mo
         if (elmopp_mask_has(side->movements, j)) {
             const float queue_veh = side->view->queue_veh[j];
             const float flow = elmopp_junction_discharge(side->view->junction, j, queue_veh);
-            const bool ends = queue_veh < (most_s * flow); /* and so flow is not 0 */
-            const float needed_s = ends ? (queue_veh / flow) : most_s;
+            float needed_s = most_s;
+            if (queue_veh < (most_s * flow)) { /* and so flow is not 0 */
+                needed_s = queue_veh / flow;
+            }
             const float green_s = clamped(needed_s, least_s, most_s);
             const float rate = leaving(side, green_s) / (lost_s + green_s);
             best = (rate > best) ? rate : best;
