@@ -27,8 +27,8 @@ const ChooserKind &find_kind(const std::string &name) {
 }
 
 bool is_switch(const std::string &option) {
-    static const std::array<std::string, 5> switches{"frozen", "constant-age", "printed-sign", "stage-age",
-                                                     "windowless"};
+    static const std::array<std::string, 6> switches{"frozen",    "constant-age", "printed-sign",
+                                                     "stage-age", "windowless",   "one-rule"};
     return std::find(switches.begin(), switches.end(), option) != switches.end();
 }
 
@@ -40,7 +40,7 @@ void check_option(const ChooserKind &kind, const std::string &name, const std::s
     }
     double number = 0.0;
     const bool good = is_switch(name)        ? value.empty()
-                      : value == "unlimited" ? name == "ready"
+                      : value == "unlimited" ? name == "ready" || name == "red"
                                              : parse_number(value, number) && number > 0.0;
     if (!good) {
         throw BadRequest("option \"" + name + "\" of chooser " + kind.name + " has value \"" + value +
@@ -85,6 +85,16 @@ const std::vector<ChooserKind> &chooser_kinds() {
         {"naive", "ELMOPP's urgency of the vehicles that are there", false, false, urgency_options},
         {"cumulative", "ELMOPP's urgency summed over the forecast", false, true, urgency_options},
         {"pressure", "sum of queue times flow, left for h times as much", false, false, {"h=3", "min=5", "max=120"}},
+        {"priced",
+         "ELMOPP's urgency for each second, a change costing what it takes",
+         false,
+         false,
+         {"min=5", "max=60"}},
+        {"rollout",
+         "the next stage that is cheapest in a model of the coming two minutes",
+         false,
+         true,
+         {"min=5", "max=60", "horizon=120", "weight=0.5", "red=120", "one-rule"}},
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},
         {"fixed", "fixed times in a covering cycle", true, false, {"green=20"}},

@@ -89,7 +89,7 @@ elmopp_stage_t ElmoppHold::choose(const elmopp_view_t &view, float *score) {
         for_served(view, s, [&](std::size_t j) {
             const bool going = elmopp_mask_has(view.going, static_cast<std::uint32_t>(j));
             const double age = view.red_ds[j] / (ds_per_s * max_s) - 1.0;
-            const double factor = going ? weight : std::exp(std::min(age, double{ELMOPP_URGENCY_EXPONENT_MAX}));
+            const double factor = going ? weight : std::exp(std::min(age, double{ELMOPP_AGE_EXPONENT_MAX}));
             score[s] += static_cast<float>(load_of(view, j) * factor);
         });
     }

@@ -102,7 +102,7 @@ elmopp_pressure_t pressure_of(const ChooserSpec &spec, const Setting &setting) {
     return {factor_or(spec, "h", static_cast<double>(ELMOPP_PRESSURE_RATIO)), min_s, max_s};
 }
 
-/// A rival's window: its own bounds in the paper's junction, the site's everywhere else.
+/// The window of a rival, of priced and of rollout: its own bounds in the paper's junction, the site's everywhere else.
 std::pair<std::uint16_t, std::uint16_t> rival_window_of(const ChooserSpec &spec, const Setting &setting) {
     const unsigned site_min_s = setting.own_site ? setting.junction.hold_min_s : rival_min_s;
     const unsigned site_max_s = setting.own_site ? setting.junction.hold_max_s : rival_max_s;
@@ -131,6 +131,48 @@ Made make_urgency(const ChooserSpec &spec, const Setting &setting) {
 Made make_pressure(const ChooserSpec &spec, const Setting &setting) {
     auto made = std::make_unique<PluggedAs<elmopp_pressure_t>>(pressure_of(spec, setting));
     made->chooser = elmopp_pressure_init(&made->state);
+    return made;
+}
+
+Made make_priced(const ChooserSpec &spec, const Setting &setting) {
+    const auto [min_s, max_s] = rival_window_of(spec, setting);
+    auto made = std::make_unique<PluggedAs<elmopp_priced_t>>(elmopp_priced_t{});
+    made->chooser = elmopp_priced_init(&made->state, min_s, max_s);
+    return made;
+}
+
+/// A share above 0. Throws BadRequest naming the value.
+float share_or(const ChooserSpec &spec, const std::string &option, float otherwise) {
+    const double value = number_or(spec, option, static_cast<double>(otherwise));
+    if (!(value > 0.0 && value <= 1.0)) {
+        throw BadRequest("option " + option + " of chooser " + spec.name + " is " + format_number(value, 9) +
+                         "; right would be above 0, at most 1");
+    }
+    return static_cast<float>(value);
+}
+
+/// Seconds, or 0 for unlimited.
+std::uint16_t bound_or(const ChooserSpec &spec, const std::string &option, unsigned otherwise) {
+    const auto found = spec.options.find(option);
+    const bool unlimited = found != spec.options.end() && found->second == "unlimited";
+    return unlimited ? std::uint16_t{0} : seconds_or(spec, option, otherwise, 1, longest_s);
+}
+
+elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setting &setting) {
+    const unsigned travel_s = std::min(setting.travel_s, ELMOPP_SIGHT_TRAVEL_MAX_S);
+    elmopp_rollout_options_t options = elmopp_rollout_defaults(static_cast<std::uint16_t>(travel_s));
+    std::tie(options.min_s, options.max_s) = rival_window_of(spec, setting);
+    options.horizon_s = seconds_or(spec, "horizon", options.horizon_s, 1, ELMOPP_HORIZON_MAX);
+    options.row_weight = share_or(spec, "weight", options.row_weight);
+    options.red_s = bound_or(spec, "red", options.red_s);
+    options.rule_count = has(spec, "one-rule") ? std::uint8_t{1} : options.rule_count;
+    return options;
+}
+
+Made make_rollout(const ChooserSpec &spec, const Setting &setting) {
+    const auto options = rollout_options_of(spec, setting);
+    auto made = std::make_unique<PluggedAs<elmopp_rollout_t>>(elmopp_rollout_t{});
+    made->chooser = elmopp_rollout_init(&made->state, &options);
     return made;
 }
 
@@ -218,6 +260,8 @@ const std::map<std::string, Made (*)(const ChooserSpec &, const Setting &)> &mak
         {"naive", make_urgency},
         {"cumulative", make_urgency},
         {"pressure", make_pressure},
+        {"priced", make_priced},
+        {"rollout", make_rollout},
         {"itlc", make_itlc},
         {"oaf", make_oaf},
         {"fixed", make_fixed},

@@ -121,22 +121,8 @@ unsigned min_green_s(const elmopp_junction_t &junction, elmopp_stage_t stage) {
 }
 
 double change_s(const elmopp_junction_t &junction, elmopp_stage_t from, elmopp_stage_t to) {
-    if (from >= junction.stage_count) {
-        return 0.0;
-    }
-    const std::uint32_t ending = groups_of(junction, from) & ~std::uint32_t{groups_of(junction, to)};
-    const std::uint32_t starting = groups_of(junction, to) & ~std::uint32_t{groups_of(junction, from)};
-    unsigned longest_ds = 0;
-    for (std::uint32_t g = 0; g < junction.group_count; ++g) {
-        if (elmopp_mask_has(ending, g)) {
-            longest_ds = std::max<unsigned>(longest_ds, junction.group[g].amber_ds);
-        }
-        for (std::uint32_t h = 0; elmopp_mask_has(starting, g) && h < junction.group_count; ++h) {
-            const unsigned clearing_ds = elmopp_mask_has(ending, h) ? junction.intergreen_ds[h][g] : 0U;
-            longest_ds = std::max({longest_ds, clearing_ds, unsigned{junction.group[g].red_amber_ds}});
-        }
-    }
-    return longest_ds / ds_per_s;
+    const bool starts = from >= junction.stage_count;
+    return starts ? 0.0 : elmopp_junction_clearing_ds(&junction, from, to) / ds_per_s;
 }
 
 double new_startup_s(const elmopp_junction_t &junction, elmopp_stage_t from, elmopp_stage_t to) {

@@ -6,6 +6,7 @@
 #pragma once
 
 extern "C" {
+#include "elmopp/age.h"
 #include "elmopp/ar8.h"
 #include "elmopp/chooser.h"
 #include "elmopp/controller.h"
@@ -16,6 +17,9 @@ extern "C" {
 #include "elmopp/pilot.h"
 #include "elmopp/plan.h"
 #include "elmopp/pressure.h"
+#include "elmopp/priced.h"
+#include "elmopp/rollout.h"
+#include "elmopp/sight.h"
 #include "elmopp/site.h"
 #include "elmopp/urgency.h"
 #include "elmopp/weights.h"

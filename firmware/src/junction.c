@@ -96,3 +96,43 @@ uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction) {
     }
     return green_ds + clear_ds + junction->junction_wait_ds + CHANGE_TICKS;
 }
+
+/* What one group that ends asks for: its amber, and its intergreens to all that start. */
+static uint32_t ending_ds(const elmopp_junction_t *junction, uint32_t group, uint32_t starting) {
+    uint32_t longest_ds = junction->group[group].amber_ds;
+    for (uint32_t h = 0U; h < junction->group_count; h++) {
+        if (elmopp_mask_has(starting, h)) {
+            longest_ds = longer(longest_ds, junction->intergreen_ds[group][h]);
+        }
+    }
+    return longest_ds;
+}
+
+uint32_t elmopp_junction_clearing_ds(const elmopp_junction_t *junction, uint32_t from, uint32_t to) {
+    ELMOPP_ASSERT((from < junction->stage_count) && (to < junction->stage_count));
+    const uint32_t before = junction->stage_groups[from];
+    const uint32_t after = junction->stage_groups[to];
+    uint32_t longest_ds = 0U;
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        if (elmopp_mask_has(before & ~after, g)) {
+            longest_ds = longer(longest_ds, ending_ds(junction, g, after & ~before));
+        }
+        if (elmopp_mask_has(after & ~before, g)) {
+            longest_ds = longer(longest_ds, junction->group[g].red_amber_ds);
+        }
+    }
+    return longest_ds;
+}
+
+uint32_t elmopp_junction_starting_ds(const elmopp_junction_t *junction, uint32_t from, uint32_t to) {
+    ELMOPP_ASSERT((from < junction->stage_count) && (to < junction->stage_count));
+    const uint32_t before = elmopp_junction_served(junction, junction->stage_groups[from]);
+    const uint32_t after = elmopp_junction_served(junction, junction->stage_groups[to]);
+    uint32_t longest_ds = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        if (elmopp_mask_has(after & ~before, j)) {
+            longest_ds = longer(longest_ds, junction->movement[j].startup_ds);
+        }
+    }
+    return longest_ds;
+}

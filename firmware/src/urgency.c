@@ -3,6 +3,7 @@
 
 #include "elmopp/urgency.h"
 
+#include "elmopp/age.h"
 #include "elmopp/assert.h"
 #include "elmopp/elementary.h"
 
@@ -10,11 +11,8 @@
 
 static float age_factor(const elmopp_urgency_t *self, uint16_t red_ds) {
     const float span_ds = DS_PER_S * (float)self->options.max_s;
-    float exponent = ((float)red_ds / span_ds) - 1.0F;
-    if (self->options.printed_sign) {
-        exponent = -exponent;
-    }
-    return elmopp_exp((exponent < ELMOPP_URGENCY_EXPONENT_MAX) ? exponent : ELMOPP_URGENCY_EXPONENT_MAX);
+    return self->options.printed_sign ? elmopp_exp(1.0F - ((float)red_ds / span_ds))
+                                      : elmopp_age_factor(red_ds, self->options.max_s);
 }
 
 /* k_t = 2 (1/t_max - t/t_max^2): 0 at t_max; the sum over t is 1 + 1/t_max and is not renormalised (docs/algorithm.md).

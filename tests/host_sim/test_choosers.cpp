@@ -28,7 +28,7 @@ extern "C" void tearDown(void) {}
 namespace {
 
 const std::string all_choosers =
-    "naive, cumulative, pressure, itlc, oaf, fixed, webster, actuated, max-pressure, longest-queue, max-wave, "
+    "naive, cumulative, pressure, priced, rollout, itlc, oaf, fixed, webster, actuated, max-pressure, longest-queue, max-wave, "
     "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
 const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, oracle";
 
@@ -212,6 +212,28 @@ void test_rivals_have_their_sources_defaults() {
     expect_words(late_refusal("random@seed=1.5"), {"seed", "1.5", "whole number"});
 }
 
+void test_the_rollout_takes_its_options() {
+    const auto options = state_of<elmopp_rollout_t>("rollout").options;
+    TEST_ASSERT_EQUAL_UINT(5, options.min_s);
+    TEST_ASSERT_EQUAL_UINT(60, options.max_s);
+    TEST_ASSERT_EQUAL_UINT(120, options.horizon_s);
+    TEST_ASSERT_EQUAL_UINT(120, options.red_s);
+    TEST_ASSERT_EQUAL_UINT(2, options.rule_count);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, options.row_weight);
+    const auto given = state_of<elmopp_rollout_t>("rollout@min=7@max=33@horizon=150@weight=1@red=99@one-rule").options;
+    TEST_ASSERT_EQUAL_UINT(7, given.min_s);
+    TEST_ASSERT_EQUAL_UINT(33, given.max_s);
+    TEST_ASSERT_EQUAL_UINT(150, given.horizon_s);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, given.row_weight);
+    TEST_ASSERT_EQUAL_UINT(99, given.red_s);
+    TEST_ASSERT_EQUAL_UINT(1, given.rule_count);
+    TEST_ASSERT_EQUAL_UINT(0, state_of<elmopp_rollout_t>("rollout@red=unlimited").options.red_s);
+    expect_words(late_refusal("rollout@horizon=151"), {"horizon", "rollout", "151", "1 to 150"});
+    expect_words(late_refusal("rollout@weight=1.5"), {"weight", "rollout", "1.5", "at most 1"});
+    expect_words(refusal("rollout@one-rule=2"), {"one-rule", "no value"});
+    expect_words(refusal("rollout@horizon=unlimited"), {"unlimited", "a number above 0"});
+}
+
 // What a simulator of single vehicles says, and host_sim does not.
 void test_the_setting_arrives() {
     const std::vector<float> behind_veh(elmopp_site_four_way.movement_count);
@@ -222,6 +244,9 @@ void test_the_setting_arrives() {
     TEST_ASSERT_EQUAL_UINT(8, state_of<SelfControl>(*make("self-control")).approaching.travel_s());
     TEST_ASSERT_EQUAL_UINT(8, state_of<LongestQueue>(*make("longest-queue")).approaching.travel_s());
     TEST_ASSERT_EQUAL_UINT(8, state_of<ItlcRounds>(*make("itlc-rounds")).approaching.travel_s());
+    TEST_ASSERT_EQUAL_UINT(8, state_of<elmopp_rollout_t>(*make("rollout")).options.sight.travel_s);
+    TEST_ASSERT_EQUAL_UINT(112, make("rollout")->chooser.horizon_s);
+    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s, state_of<elmopp_rollout_t>(*make("rollout")).options.max_s);
     TEST_ASSERT_EQUAL_PTR(behind_veh.data(), state_of<MaxPressure>(*make("max-pressure")).downstream_veh);
     TEST_ASSERT_TRUE(state_of<Random>(*make("random")).generator == std::mt19937_64(77));
     TEST_ASSERT_TRUE(state_of<Random>(*make("random@seed=5")).generator == std::mt19937_64(5));
@@ -272,7 +297,8 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
         "itlc:none",         "oaf:none",           "fixed:none",       "webster:none",       "actuated:none",
         "max-pressure:none", "longest-queue:none", "max-wave:none",    "max-wave-hold:none", "elmopp-hold:none",
         "itlc-rounds:none",  "scats:none",         "scoot:none",       "surtrac:none",       "self-control:none",
-        "random:none"};
+        "random:none",       "priced:none",       "rollout:none",       "rollout:mean",     "rollout:ewma",       "rollout:persistence",
+        "rollout:ar8",       "rollout:lstm",       "rollout:nlstm",    "rollout:oracle"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());
@@ -313,8 +339,9 @@ void test_kinds_say_what_there_is() {
     for (const auto &kind : chooser_kinds()) {
         names += (names.empty() ? "" : ", ") + kind.name;
         TEST_ASSERT_FALSE(kind.what.empty());
-        TEST_ASSERT_EQUAL(kind.name == "cumulative", kind.forecasts);
-        TEST_ASSERT_EQUAL(kind.name != "naive" && kind.name != "cumulative" && kind.name != "pressure", kind.rival);
+        const bool forecasts = kind.name == "cumulative" || kind.name == "rollout";
+        TEST_ASSERT_EQUAL(forecasts, kind.forecasts);
+        TEST_ASSERT_EQUAL(!forecasts && kind.name != "naive" && kind.name != "pressure" && kind.name != "priced", kind.rival);
     }
     TEST_ASSERT_EQUAL_STRING(all_choosers.c_str(), names.c_str());
 }
@@ -336,6 +363,7 @@ int main() {
     RUN_TEST(test_defaults);
     RUN_TEST(test_options_arrive);
     RUN_TEST(test_rivals_have_their_sources_defaults);
+    RUN_TEST(test_the_rollout_takes_its_options);
     RUN_TEST(test_the_setting_arrives);
     RUN_TEST(test_windows_come_from_the_profile);
     RUN_TEST(test_literal_profile_is_algorithm_1_as_printed);

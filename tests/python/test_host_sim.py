@@ -102,7 +102,7 @@ def refused(folder: Path, arguments: Sequence[str], *words: str, code: int = 2, 
 # --------------------------------------------------------------------------------------------------------------------
 
 BAD_VALUES = [
-    ("run --chooser naiv", '"naiv"', "naive, cumulative, pressure, itlc, oaf, fixed"),
+    ("run --chooser naiv", '"naiv"', "naive, cumulative, pressure, priced, rollout, itlc, oaf, fixed"),
     ("run --chooser naive@greed=1", '"greed"', "hysteresis"),
     ("run --chooser naive@min=0", '"0"', "above 0"),
     ("run --chooser naive@min=61", "61", "1 to 60"),
@@ -401,6 +401,8 @@ def test_list_as_json() -> None:
         "naive": False,
         "cumulative": False,
         "pressure": False,
+        "priced": False,
+        "rollout": False,
         "itlc": True,
         "oaf": True,
         "fixed": True,

@@ -24,17 +24,21 @@ LEVELS = {
     "lamps": 0,
     "mode": 0,
     "account": 1,
+    "age": 1,
     "ar8": 1,
     "detector": 1,
     "monitor": 1,
     "timetable": 1,
     "lstm_f32": 1,
     "plan": 1,
+    "sight": 1,
     "site": 1,
     "weights": 2,
     "forecast": 3,
     "urgency": 3,
     "pressure": 3,
+    "priced": 3,
+    "rollout": 3,
     "link": 1,
     "frames": 2,
     "pilot": 4,
@@ -93,7 +97,7 @@ def test_no_room_knows_a_higher_level_or_another_of_its_own() -> None:
 
 
 def test_plan_site_and_the_choosers_know_level_0_only() -> None:
-    for room in ("plan", "site", "account", "ar8", "lstm_f32", "urgency", "pressure"):
+    for room in ("plan", "site", "sight", "account", "ar8", "lstm_f32", "age", "pressure"):
         assert ROOMS[room] == LEVEL_0
 
 

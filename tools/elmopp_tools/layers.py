@@ -35,20 +35,24 @@ ROOMS: dict[str, frozenset[str]] = {
     "chooser": frozenset({"bounds", "junction"}),
     # level 1: not each other
     "account": LEVEL_0,
+    "age": LEVEL_0,
     "ar8": LEVEL_0,
     "detector": LEVEL_0,
     "link": LEVEL_0,
     "lstm_f32": LEVEL_0,
     "monitor": LEVEL_0,
     "plan": LEVEL_0,
+    "sight": LEVEL_0,
     "site": LEVEL_0,
     "timetable": LEVEL_0,
     # level 2: what is learnt, for both models
     "weights": LEVEL_0 | {"ar8", "lstm_f32"},
     # level 3: not each other; a chooser's forecast comes in the view
     "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
-    "urgency": LEVEL_0,
+    "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
+    "priced": LEVEL_0 | {"age"},
+    "rollout": LEVEL_0 | {"sight"},
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link"},
     # the other side of the bus, a device of its own

@@ -16,9 +16,6 @@
 
 #include "elmopp/chooser.h"
 
-/// The exponent T/t_max - 1 is taken as this at most, so that no sum can overflow: e^64 is 6e27.
-#define ELMOPP_URGENCY_EXPONENT_MAX 64.0F
-
 /// What can be varied. All false, hysteresis 1: the algorithm as adopted.
 typedef struct {
     uint16_t min_s; ///< a stage is never left before

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// Rollout: a chooser that tries every next stage in a small model of the junction and takes the cheapest.
+///
+/// Once a second, when the stage shown is min_s old, it plays the next horizon_s seconds for each first action: keep
+/// the stage for one of a few times, or change to another stage that somebody waits for. After the first action a
+/// reactive rule decides. The cost V of an action is the sum of all queues over the seconds; the least V wins, ties go
+/// to the lowest index. The score of a stage is -V, 0 where it was not tried.
+///
+/// The model. A queue stands at the stop line of each movement. Who drives reaches it when he must (sight.h), who will
+/// come is foreseen: the view's rows at row_weight, each movement with its share, or, without rows, the mean of the
+/// arrivals at mean_weight. A green queue leaves with the flow that the stage was seen to give it, or after the
+/// junction's discharge law where that depends on the queue; half as fast while it is blocked. A change of stage takes
+/// the site's intergreen, of whose amber yellow_used_s are still driven, and the start-up of what is newly green: the
+/// price of a change is worked out, never set.
+///
+/// The reactive rule is that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of
+/// queue times flow when that is more than ratio times the own one's; at max_s leave anyway. Two ratios are played and
+/// the cheaper counts: the small one changes soon, which is right in light traffic, the great one empties its queues
+/// first, which is right where every change costs capacity. That nothing else says which it is, is the point.
+///
+/// Before that: where nobody waits on red, green rests. A movement that has waited red_s on the chooser's own clock
+/// (sight.h) gets the stage that serves it best, whatever it costs. The wait so bounded is that of a movement, not of a
+/// vehicle: with several overdue one waits for another, and a queue beyond the reach may need two greens. It is a rule
+/// for fairness; the promise about red is the plan's (plan.h). A movement that is blocked for ever takes every second
+/// stage with it as long as it is.
+///
+/// What it never does: touch a lamp, look at a route, learn a parameter but the flows of sight.h, ask for a stage that
+/// there is not. Every loop ends at a bound of bounds.h; one decision takes at most
+/// (stages - 1 + holds) times rules rollouts of horizon_s seconds.
+///
+/// The idea is rollout over base policies (Bertsekas); why these, and what was tried: docs/design.md.
+///
+/// Its state is fixed memory that the caller owns: about 30 kB. Not thread-safe; one owner.
+
+#ifndef ELMOPP_ROLLOUT_H
+#define ELMOPP_ROLLOUT_H
+
+#include "elmopp/chooser.h"
+#include "elmopp/sight.h"
+
+#define ELMOPP_ROLLOUT_HOLD_MAX 3U
+#define ELMOPP_ROLLOUT_RULE_MAX 2U
+
+/// What can be varied. elmopp_rollout_defaults() says what was measured to be good; no site needs others.
+typedef struct {
+    elmopp_sight_options_t sight;             ///< travel_s among them
+    uint16_t min_s;                           ///< a stage is never left before; at least 1
+    uint16_t max_s;                           ///< ... and left at if another one is asked for
+    uint16_t red_s;                           ///< nobody is passed over for longer; 0: no bound
+    uint16_t horizon_s;                       ///< 1 to ELMOPP_HORIZON_MAX
+    bool taper;                               ///< the weight of a second falls to 0 at the horizon
+    uint8_t hold_count;                       ///< of hold_s, at least 1
+    uint8_t rule_count;                       ///< of ratio, at least 1
+    uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX]; ///< how long the stage shown may be kept before the rule decides; >= 1
+    float ratio[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much more another stage must press for the rule; at least 1
+    float row_weight;                         ///< of the foreseen rows, 0 to 1
+    float mean_weight;                        ///< of the mean arrivals, 0 to 1
+    float blocked_share;                      ///< of its flow, for a movement that is blocked
+    float yellow_used_s;                      ///< of the amber, still driven; 0 or more
+} elmopp_rollout_options_t;
+
+/// One future as it is played. Its owner is the rollout.
+typedef struct {
+    const float *flow_veh_per_s;          ///< [movement] in the stage shown
+    float left_veh[ELMOPP_MOVEMENT_MAX];  ///< departures until now
+    float startup_s[ELMOPP_MOVEMENT_MAX]; ///< of the start-up, still to come
+    float left_sum_veh;                   ///< all departures
+    float ratio;
+    uint32_t elapsed_s;    ///< of the stage shown
+    uint32_t change_s;     ///< the intergreen to the target
+    uint32_t remaining_s;  ///< ... and what is left of it
+    elmopp_stage_t shown;  ///< or being left
+    elmopp_stage_t target; ///< being brought up, ELMOPP_STAGE_NONE: none
+} elmopp_rollout_future_t;
+
+/// State. Set up by elmopp_rollout_init(); read `sight` for a log, write nothing.
+typedef struct {
+    elmopp_rollout_options_t options;
+    const elmopp_junction_t *junction; ///< of the first view; null before
+    elmopp_sight_t sight;
+    elmopp_rollout_future_t future;
+    uint8_t served_count[ELMOPP_STAGE_MAX];                          ///< movements that a stage lets go ...
+    uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];           ///< ... and which
+    uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX];           ///< [from][to] intergreen in whole seconds
+    float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];               ///< in the stage shown now, less where blocked
+    float expected_veh_per_s[ELMOPP_MOVEMENT_MAX];                   ///< mean arrivals as they are weighted
+    float arrived_veh[ELMOPP_HORIZON_MAX + 1U][ELMOPP_MOVEMENT_MAX]; ///< [step] the queue and who comes before it
+    float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
+} elmopp_rollout_t;
+
+/// The measured setting: horizon 120 s, holds 1, 3 and 6 s, ratios 3 and 6, green 5 to 60 s, red 120 s.
+elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
+
+/// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
+/// that of the views, always the same.
+elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollout_options_t *options);
+
+#endif

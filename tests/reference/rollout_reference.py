@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+"""The rollout in double precision, from the pseudo-code of its specification and without a look at the C.
+
+Every loop is written out as the specification has it: queues are stepped second by second, arrivals kept one by one,
+sums taken anew. Where the firmware's header departs from the pseudo-code, so does this: the clock on red restarts on a
+departure; a stage serves a movement if all its groups are in it; nobody is hidden without a reach; a second teaches one
+vehicle a lane at most; the reactive rule is pressure's, asked in every modelled second after the hold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+NEVER = -1
+LEFT = 0.01  # less may be rounding
+
+
+@dataclass
+class Site:
+    """A junction of one signal group a movement."""
+
+    saturation: list[float]
+    startup: list[float]
+    capacity: list[float]
+    lanes: list[int]
+    approach: list[int]
+    stages: list[int]
+    change: list[list[int]]
+    free_flow: float = 0.0
+    law: int = 0
+
+    def serves(self, stage: int, lane: int) -> bool:
+        return bool(self.stages[stage] >> lane & 1)
+
+    def by_law(self, lane: int, queue: float) -> float:
+        load = queue / self.capacity[lane]
+        if self.law == 2:
+            load = min(load, 0.5)
+        return min(max(load * self.free_flow * (1.0 - load), 0.0), queue)
+
+
+@dataclass
+class Setting:
+    """What the specification calls fixed."""
+
+    travel: int = 0
+    horizon: int = 120
+    taper: bool = False
+    holds: tuple[int, ...] = (1, 3, 6)
+    ratios: tuple[float, ...] = (3.0, 6.0)
+    g_min: int = 5
+    g_max: int = 60
+    r_trig: int = 120
+    f_rows: float = 0.5
+    f_mean: float = 0.5
+
+
+@dataclass
+class Rollout:
+    """State and the two functions of the specification."""
+
+    site: Site
+    setting: Setting
+    lam_weight: int = 0
+    last_stage: int = NEVER
+    last_going: int = 0
+    n: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        count, stages = len(self.site.saturation), len(self.site.stages)
+        law = self.site.law != 0
+        self.s = [self.site.free_flow / 4 if law else value for value in self.site.saturation]
+        self.n = [0.0] * count
+        self.q = [0.0] * count
+        self.lam = [0.0] * count
+        self.hid = [0.0] * count
+        self.red = [0] * count
+        self.idle = [0] * count
+        self.ring = [[0.0] * self.setting.travel for _ in range(count)]  # oldest first
+        self.num = [[0.0] * count for _ in range(stages)]
+        self.den = [[0.0] * count for _ in range(stages)]
+        self.sat = [[self.s[j] if self.site.serves(s, j) else 0.0 for j in range(count)] for s in range(stages)]
+
+    # --- observe ---
+
+    def observe(self, present: list[float], arrived: list[float], stage: int, elapsed: float, going: int) -> None:
+        self.lam_weight = min(self.lam_weight + 1, 120)
+        for lane in range(len(present)):
+            self._observe(lane, present[lane], arrived[lane], stage, elapsed, going)
+        self.last_stage, self.last_going = stage, going
+
+    def _observe(self, lane: int, n_new: float, arr: float, stage: int, elapsed: float, going: int) -> None:
+        site = self.site
+        dep = self.n[lane] + arr - n_new
+        q_old = self.q[lane]
+        if self.setting.travel:
+            ring = self.ring[lane] = [*self.ring[lane][1:], arr]
+            while sum(ring) > n_new + 1e-12:
+                oldest = next(k for k, value in enumerate(ring) if value > 0.0)
+                ring[oldest] -= min(ring[oldest], sum(ring) - n_new)
+        self.n[lane] = n_new
+        self.q[lane] = max(n_new - sum(self.ring[lane]), 0.0)
+        full = self.setting.travel > 0 and n_new >= 0.85 * site.capacity[lane]
+        self.hid[lane] = min(max(self.hid[lane] + self.lam[lane] - arr, 0.0), site.capacity[lane]) if full else 0.0
+        if not full or arr > self.lam[lane]:
+            self.lam[lane] += (arr - self.lam[lane]) / self.lam_weight
+        settled = stage != NEVER and stage == self.last_stage and elapsed > site.startup[lane] + 1.0
+        if settled and site.serves(stage, lane) and site.law == 0:
+            if q_old >= 2.0 * site.lanes[lane]:
+                self._learn(stage, lane, dep)
+            self.idle[lane] = self.idle[lane] + 1 if q_old >= 1.0 and dep < LEFT else 0
+        else:
+            self.idle[lane] = 0
+        if (self.last_going & going) >> lane & 1 and (dep >= LEFT or n_new < 0.5):
+            self.red[lane] = 0
+        elif n_new > 0.0 or self.red[lane] > 0:
+            self.red[lane] += 1
+
+    def _learn(self, stage: int, lane: int, dep: float) -> None:
+        prior = self.s[lane]
+        most = max(2.0 * prior, float(self.site.lanes[lane]))
+        self.num[stage][lane] = self.num[stage][lane] * (1.0 - 1.0 / 600.0) + min(max(dep, 0.0), most)
+        self.den[stage][lane] = self.den[stage][lane] * (1.0 - 1.0 / 600.0) + 1.0
+        value = (prior * 30.0 + self.num[stage][lane]) / (30.0 + self.den[stage][lane])
+        self.sat[stage][lane] = min(max(value, 0.1 * prior), 1.4 * prior)
+
+    # --- decide ---
+
+    def serves_well(self, stage: int, lane: int) -> bool:
+        return self.site.serves(stage, lane) and self.sat[stage][lane] >= self.s[lane] / 4
+
+    def decide(self, cur: int, elapsed: int, rows: list[list[float]], share: list[float]) -> tuple[int, dict[int, float]]:
+        """The stage, and V of each that was tried."""
+        lanes = range(len(self.n))
+        waiting = [j for j in lanes if self.n[j] > 0.0 and not self.serves_well(cur, j)]
+        if elapsed < self.setting.g_min or not waiting:
+            return cur, {}
+        w = max(waiting, key=lambda j: (self.red[j], -j))
+        if self.setting.r_trig and self.red[w] >= self.setting.r_trig:
+            able = [s for s in range(len(self.site.stages)) if self.serves_well(s, w)]
+            if able:
+                return max(able, key=lambda s: (self.sat[s][w], self._weight(s), -s)), {}
+        self._expect(rows, share)
+        self.sx = [self.sat[cur][j] * (0.5 if self.idle[j] >= 8 else 1.0) for j in lanes]
+        values = {}
+        for s in range(len(self.site.stages)):
+            if s == cur and elapsed < self.setting.g_max:
+                tries = [(s, hold, ratio) for hold in self.setting.holds for ratio in self.setting.ratios]
+            elif s != cur and any(self.n[j] > 0.0 and self.serves_well(s, j) for j in lanes):
+                tries = [(s, 0, ratio) for ratio in self.setting.ratios]
+            else:
+                continue
+            values[s] = min(self.roll(cur, elapsed, *each) for each in tries)
+        return (min(values, key=lambda s: (values[s], s)) if values else cur), values
+
+    def _weight(self, stage: int) -> float:
+        return sum(n * sat for n, sat in zip(self.n, self.sat[stage], strict=True))
+
+    def _expect(self, rows: list[list[float]], share: list[float]) -> None:
+        travel, self.a = self.setting.travel, []
+        hid = list(self.hid)
+        for k in range(self.setting.horizon):
+            second = []
+            for lane in range(len(self.n)):
+                if k < travel:
+                    second.append(self.ring[lane][k])
+                    continue
+                row = rows[self.site.approach[lane]] if rows else []
+                come = (
+                    self.setting.f_rows * share[lane] * row[k - travel]
+                    if k - travel < len(row)
+                    else self.setting.f_mean * self.lam[lane]
+                )
+                rise = min(max(self.s[lane] - come, 0.0), hid[lane])
+                hid[lane] -= rise
+                second.append(come + rise)
+            self.a.append(second)
+
+    def _flow(self, flow: list[float], lane: int, queue: float) -> float:
+        return self.site.by_law(lane, queue) if self.site.law else flow[lane]
+
+    def roll(self, cur: int, elapsed: int, first: int, hold: int, ratio: float) -> float:
+        site, lanes, horizon = self.site, range(len(self.n)), self.setting.horizon
+        x, g, e, su = list(self.q), cur, elapsed, [0.0] * len(self.n)
+        target, left, cost, flow = NEVER, 0, 0.0, self.sx
+        for k in range(horizon):
+            if target == NEVER:
+                want = g
+                if k == 0:
+                    want = first
+                elif k >= hold:
+                    want = self.base(g, e, ratio, x, flow)
+                if want != g:
+                    target, left = want, site.change[g][want]
+            for lane in lanes:
+                x[lane] += self.a[k][lane]
+            if target != NEVER and left <= 0:
+                su = [0.0 if site.serves(g, j) and site.serves(target, j) else site.startup[j] for j in lanes]
+                g, target, e, flow = target, NEVER, 0, self.sat[target]
+            for lane in lanes:
+                c = self._flow(flow, lane, x[lane]) if site.serves(g, lane) else 0.0
+                if target != NEVER:
+                    if site.serves(g, lane) and site.serves(target, lane):
+                        c = min(c, self._flow(self.sat[target], lane, x[lane]))
+                    else:
+                        c *= min(max(1.0 - (site.change[g][target] - left), 0.0), 1.0)
+                if su[lane] >= 1.0:
+                    su[lane] -= 1.0
+                else:
+                    x[lane] -= min(x[lane], c * (1.0 - su[lane]))
+                    su[lane] = 0.0
+                cost += (1.0 - k / horizon if self.setting.taper else 1.0) * x[lane]
+            if target != NEVER:
+                left -= 1
+            else:
+                e += 1
+        return cost
+
+    def base(self, g: int, e: int, ratio: float, x: list[float], flow: list[float]) -> int:
+        site, setting = self.site, self.setting
+        if e < setting.g_min:
+            return g
+        x = [queue if queue >= LEFT else 0.0 for queue in x]
+        pressure = [
+            sum(
+                x[j] * min(self._flow(flow if s == g else self.sat[s], j, x[j]), x[j])
+                for j in range(len(x))
+                if site.serves(s, j)
+            )
+            for s in range(len(site.stages))
+        ]
+        best = max(range(len(pressure)), key=lambda s: (pressure[s], -s))
+        if pressure[best] <= 0.0:
+            return g
+        return best if e >= setting.g_max or pressure[best] > ratio * pressure[g] else g

@@ -1,0 +1,450 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "assert_catcher.h"
+#include "elmopp/rollout.h"
+#include "random.h"
+#include "sites.h"
+#include "unity.h"
+#include "view.h"
+
+#include <math.h>
+#include <string.h>
+
+#ifndef DECISIONS
+#define DECISIONS 100000U
+#endif
+
+#define SHORT_S 10U
+
+/* Stages of one movement each: saturation flow 0.5, start-up 2 s, intergreen 5.5 s, so 6 s of the model. */
+static elmopp_junction_t junction;
+static elmopp_rollout_options_t options;
+static elmopp_rollout_t rollout;
+static elmopp_chooser_t chooser;
+static test_view_t seen;
+
+static void start(void) {
+    chooser = elmopp_rollout_init(&rollout, &options);
+    test_view_init(&seen, &junction);
+}
+
+static void start_with_stages(uint32_t stages) {
+    junction = test_cross(stages);
+    start();
+}
+
+void setUp(void) {
+    options = elmopp_rollout_defaults(0U);
+    start_with_stages(2U);
+}
+void tearDown(void) {}
+
+static void set_queues(float first, float second, float third) {
+    seen.queue_veh[0] = first;
+    seen.queue_veh[1] = second;
+    seen.queue_veh[2] = third;
+}
+
+static elmopp_stage_t ask_in(elmopp_stage_t stage, uint32_t elapsed_ds) {
+    test_view_show(&seen, stage, elapsed_ds);
+    return test_view_ask(&seen, &chooser);
+}
+
+static void expect_no_scores(void) {
+    for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
+        TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[s]);
+    }
+}
+
+/* Ten seconds that all weigh the same, and a first action that no rule follows: what can be worked out by hand. */
+static void look_ten_seconds_ahead(void) {
+    options.horizon_s = SHORT_S;
+    options.taper = false;
+    options.hold_count = 1U;
+    options.hold_s[0] = SHORT_S;
+    options.rule_count = 1U;
+    start();
+}
+
+static void test_the_defaults_are_those_that_were_measured(void) {
+    const elmopp_rollout_options_t measured = elmopp_rollout_defaults(8U);
+    TEST_ASSERT_EQUAL_UINT16(8U, measured.sight.travel_s);
+    TEST_ASSERT_EQUAL_UINT16(5U, measured.min_s);
+    TEST_ASSERT_EQUAL_UINT16(60U, measured.max_s);
+    TEST_ASSERT_EQUAL_UINT16(120U, measured.red_s);
+    TEST_ASSERT_EQUAL_UINT16(120U, measured.horizon_s);
+    TEST_ASSERT_FALSE(measured.taper);
+    const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 3U, 6U};
+    TEST_ASSERT_EQUAL_UINT16_ARRAY(hold_s, measured.hold_s, measured.hold_count);
+    const float ratio[ELMOPP_ROLLOUT_RULE_MAX] = {3.0F, 6.0F};
+    TEST_ASSERT_EQUAL_FLOAT_ARRAY(ratio, measured.ratio, measured.rule_count);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.row_weight);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.mean_weight);
+}
+
+static void test_it_asks_for_the_forecast_that_its_horizon_needs(void) {
+    TEST_ASSERT_EQUAL_UINT16(120U, chooser.horizon_s);
+    options = elmopp_rollout_defaults(8U);
+    TEST_ASSERT_EQUAL_UINT16(112U, elmopp_rollout_init(&rollout, &options).horizon_s);
+    options.horizon_s = 8U;
+    TEST_ASSERT_EQUAL_UINT16(0U, elmopp_rollout_init(&rollout, &options).horizon_s);
+}
+
+static void test_the_first_stage_is_that_of_most_vehicles_times_flow(void) {
+    set_queues(2.0F, 3.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(1U, test_view_ask(&seen, &chooser));
+    set_queues(3.0F, 3.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, test_view_ask(&seen, &chooser));
+    expect_no_scores();
+}
+
+static void test_in_the_intergreen_it_sees_arrivals_and_keeps_the_target(void) {
+    set_queues(9.0F, 0.0F, 0.0F);
+    seen.arrivals_veh[0] = 2.0F;
+    test_view_clear_to(&seen, 1U);
+    TEST_ASSERT_EQUAL_UINT8(1U, test_view_ask(&seen, &chooser));
+    TEST_ASSERT_EQUAL_FLOAT(2.0F, rollout.sight.mean_veh_per_s[0]);
+    expect_no_scores();
+}
+
+static void test_a_stage_is_never_left_before_min(void) {
+    set_queues(0.0F, 9.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 49U));
+    expect_no_scores();
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 50U));
+}
+
+static void test_green_rests_where_nobody_waits_on_red(void) {
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(1U, 300U));
+    set_queues(0.0F, 5.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(1U, 60000U));
+    expect_no_scores();
+}
+
+static void test_a_dead_green_is_left(void) {
+    set_queues(0.0F, 1.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 100U));
+}
+
+static void test_a_queue_that_empties_soon_is_served_first(void) {
+    set_queues(2.0F, 3.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 100U));
+    set_queues(1.0F, 3.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 120U));
+    set_queues(0.0F, 3.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 140U));
+}
+
+/* 5 s of a slow queue against a fast one: worth a change that costs nothing, not one that costs 8 s. */
+static void test_the_price_of_a_change_decides(void) {
+    junction.movement[0].saturation_veh_per_s = 0.3F;
+    start();
+    set_queues(1.5F, 4.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 100U));
+    for (uint32_t g = 0U; g < 2U; g++) {
+        junction.group[g].amber_ds = 0U;
+        junction.group[g].red_amber_ds = 0U;
+        junction.intergreen_ds[g][1U - g] = 0U;
+        junction.movement[g].startup_ds = 0U;
+    }
+    start();
+    set_queues(1.5F, 4.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 100U));
+}
+
+/* Kept: the first queue is 2.5, 2, 1.5, 1, 0.5, 0 ..., the second 2 for 10 s. Left: half a vehicle more leaves on
+   amber, then 6 s of intergreen and 2 s of start-up, then 1.5 and 1. */
+static void test_a_score_is_minus_the_sum_of_all_queues(void) {
+    look_ten_seconds_ahead();
+    set_queues(3.0F, 2.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 50U));
+    TEST_ASSERT_EQUAL_FLOAT(-(7.5F + 20.0F), seen.score[0]);
+    TEST_ASSERT_EQUAL_FLOAT(-(25.0F + 16.0F + 2.5F), seen.score[1]);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[2]);
+}
+
+/* The same with the weights 1, 0.9, ..., 0.1. */
+static void test_far_seconds_weigh_less(void) {
+    look_ten_seconds_ahead();
+    options.taper = true;
+    start();
+    set_queues(3.0F, 2.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, -(2.5F + 1.8F + 1.2F + 0.7F + 0.3F + 11.0F), seen.score[0]);
+}
+
+static void test_a_stage_that_nobody_asks_for_is_not_tried(void) {
+    start_with_stages(3U);
+    set_queues(3.0F, 2.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_TRUE((seen.score[0] < 0.0F) && (seen.score[1] < 0.0F));
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[2]);
+}
+
+/* 0.4 vehicles a second at half weight: the second queue is 2.2, 2.4, ... 4. */
+static void test_rows_are_taken_at_their_weight(void) {
+    static float row_veh[SHORT_S];
+    look_ten_seconds_ahead();
+    for (uint32_t t = 0U; t < SHORT_S; t++) {
+        row_veh[t] = 0.4F;
+    }
+    seen.view.foreseen_steps = SHORT_S;
+    seen.view.foreseen_veh[0] = row_veh;
+    seen.view.foreseen_veh[1] = row_veh;
+    seen.share[0] = 0.0F;
+    set_queues(0.0F, 2.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 55.0F)), seen.score[0]);
+    options.row_weight = 1.0F;
+    chooser = elmopp_rollout_init(&rollout, &options);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.4F * 55.0F)), seen.score[0]);
+}
+
+static void test_a_row_that_is_no_number_is_nobody(void) {
+    static float row_veh[SHORT_S];
+    look_ten_seconds_ahead();
+    for (uint32_t t = 0U; t < SHORT_S; t++) {
+        row_veh[t] = ((t % 2U) == 0U) ? NAN : -1.0F;
+    }
+    seen.view.foreseen_steps = SHORT_S;
+    seen.view.foreseen_veh[0] = row_veh;
+    seen.view.foreseen_veh[1] = row_veh;
+    set_queues(0.0F, 2.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_EQUAL_FLOAT(-20.0F, seen.score[0]);
+}
+
+static void test_without_rows_the_mean_of_the_arrivals_counts_half(void) {
+    look_ten_seconds_ahead();
+    set_queues(0.0F, 2.0F, 0.0F);
+    seen.arrivals_veh[1] = 0.4F;
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 55.0F)), seen.score[0]);
+}
+
+/* Two drive 3 s: not queued in seconds 1 and 2, then for the other 8. */
+static void test_who_drives_is_queued_when_he_arrives(void) {
+    options.sight.travel_s = 3U;
+    options.mean_weight = 0.0F;
+    look_ten_seconds_ahead();
+    set_queues(0.0F, 2.0F, 0.0F);
+    seen.arrivals_veh[1] = 2.0F;
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_EQUAL_FLOAT(-16.0F, seen.score[0]);
+}
+
+/* A queue of 1.5 teaches no flow; blocked it shrinks by 0.25 a second: 1.25, 1, 0.75, 0.5, 0.25. */
+static void test_a_blocked_queue_is_taken_to_leave_half_as_fast(void) {
+    look_ten_seconds_ahead();
+    set_queues(1.5F, 2.0F, 0.0F);
+    for (uint32_t elapsed_ds = 10U; elapsed_ds < 110U; elapsed_ds += 10U) {
+        (void)ask_in(0U, elapsed_ds);
+    }
+    TEST_ASSERT_EQUAL_FLOAT(-(1.5F + 20.0F), seen.score[0]); /* not yet */
+    (void)ask_in(0U, 110U);
+    TEST_ASSERT_EQUAL_FLOAT(-(3.75F + 20.0F), seen.score[0]);
+}
+
+/* k 10 (1 - k) with k = Q / 10 at most 1/2: 8 vehicles, 5.5, 3, then by the parabola. */
+static void test_the_law_of_the_profile_empties_the_modelled_queue(void) {
+    junction.discharge = (uint8_t)ELMOPP_DISCHARGE_NOLOCK;
+    junction.free_flow_m_per_s = 10.0F;
+    look_ten_seconds_ahead();
+    set_queues(8.0F, 2.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    float queue_veh = 8.0F;
+    float sum = 0.0F;
+    for (uint32_t k = 0U; k < SHORT_S; k++) {
+        const float load = (queue_veh > 5.0F) ? 0.5F : (queue_veh / 10.0F);
+        queue_veh -= load * 10.0F * (1.0F - load);
+        sum += queue_veh;
+    }
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(sum + 20.0F), seen.score[0]);
+}
+
+static void test_at_max_it_leaves_if_somebody_asks(void) {
+    set_queues(90.0F, 0.5F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 599U));
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 600U));
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[0]);
+    set_queues(90.0F, 0.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 600U));
+}
+
+static void test_among_equals_the_lowest_index_wins(void) {
+    start_with_stages(3U);
+    set_queues(0.0F, 4.0F, 4.0F);
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 100U));
+    TEST_ASSERT_EQUAL_FLOAT(seen.score[1], seen.score[2]);
+    set_queues(4.0F, 4.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(2U, 100U));
+}
+
+/* The queue that goes is so long, and kept so long, that one vehicle would wait to the maximum green. */
+static void test_nobody_is_passed_over_longer_than_the_bound(void) {
+    options.red_s = 20U;
+    start();
+    set_queues(90.0F, 1.0F, 0.0F);
+    seen.arrivals_veh[0] = 0.5F;
+    for (uint32_t t = 1U; t < 20U; t++) {
+        TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 300U));
+    }
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 300U));
+    expect_no_scores();
+    options.red_s = 0U;
+    start();
+    set_queues(90.0F, 1.0F, 0.0F);
+    seen.arrivals_veh[0] = 0.5F;
+    for (uint32_t t = 1U; t < 200U; t++) {
+        TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 300U));
+    }
+}
+
+static void test_of_two_who_are_overdue_the_one_who_waits_longer_is_first(void) {
+    options.red_s = 20U;
+    start_with_stages(3U);
+    set_queues(90.0F, 0.0F, 1.0F);
+    (void)ask_in(0U, 300U);
+    set_queues(90.0F, 9.0F, 1.0F);
+    for (uint32_t t = 0U; t < 40U; t++) {
+        (void)ask_in(0U, 10U);
+    }
+    TEST_ASSERT_EQUAL_UINT8(2U, ask_in(0U, 300U));
+}
+
+static void test_who_is_overdue_and_blocked_does_not_hold_his_green(void) {
+    options.red_s = 20U;
+    start();
+    set_queues(3.0F, 9.0F, 0.0F);
+    for (uint32_t t = 0U; t < 60U; t++) {
+        (void)ask_in(1U, 10U);
+    }
+    TEST_ASSERT_TRUE(rollout.sight.red_s[1] > 40U); /* green all the time, and nobody has left */
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(1U, 300U));
+}
+
+static void test_a_junction_of_one_stage_keeps_it(void) {
+    junction.stage_count = 1U;
+    start();
+    set_queues(3.0F, 3.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 100U));
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 700U));
+}
+
+static void show_anything(uint64_t *random) {
+    const uint32_t stage = random_below(random, junction.stage_count);
+    if (random_below(random, 8U) == 0U) {
+        test_view_clear_to(&seen, (elmopp_stage_t)stage);
+    } else {
+        test_view_show(&seen, (elmopp_stage_t)stage, random_below(random, 900U));
+    }
+}
+
+static void count_anything(uint64_t *random) {
+    static const float size[4] = {0.0F, 3.0F, 40.0F, 1.0e6F};
+    for (uint32_t j = 0U; j < junction.movement_count; j++) {
+        seen.queue_veh[j] = size[random_below(random, 4U)] * ((float)random_below(random, 1001U) / 1000.0F);
+        seen.arrivals_veh[j] = size[random_below(random, 4U)] * ((float)random_below(random, 1001U) / 1000.0F);
+    }
+}
+
+static void ask_wildly(uint64_t seed, uint32_t decisions) {
+    uint64_t random = seed;
+    for (uint32_t t = 0U; t < decisions; t++) {
+        show_anything(&random);
+        count_anything(&random);
+        (void)test_view_ask(&seen, &chooser); /* fails if there is no such stage */
+        for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
+            if (!isfinite(seen.score[s]) || (seen.score[s] > 0.0F)) {
+                TEST_FAIL_MESSAGE("a score is not finite, or no cost");
+            }
+        }
+    }
+}
+
+static void test_whatever_is_counted_it_names_a_stage_and_finite_scores(void) {
+    for (uint32_t i = 0U; i < TEST_SITE_COUNT; i++) {
+        junction = *test_sites[i];
+        options = elmopp_rollout_defaults(ELMOPP_SIGHT_TRAVEL_MAX_S);
+        start();
+        ask_wildly(i, DECISIONS / 1000U);
+        options.horizon_s = 4U;
+        start();
+        ask_wildly(i, DECISIONS / TEST_SITE_COUNT);
+    }
+}
+
+static void test_the_same_counts_give_the_same_answers_and_bits(void) {
+    static elmopp_rollout_t other;
+    float score[ELMOPP_STAGE_MAX];
+    uint64_t random = 7U;
+    junction = elmopp_site_four_way;
+    options.sight.travel_s = 8U;
+    start();
+    const elmopp_chooser_t again = elmopp_rollout_init(&other, &options);
+    for (uint32_t t = 0U; t < 100U; t++) {
+        show_anything(&random);
+        count_anything(&random);
+        const elmopp_stage_t wanted = test_view_ask(&seen, &chooser);
+        (void)memcpy(score, seen.score, sizeof score);
+        TEST_ASSERT_EQUAL_UINT8(wanted, test_view_ask(&seen, &again));
+        TEST_ASSERT_EQUAL_MEMORY(score, seen.score, sizeof score);
+    }
+}
+
+static void test_options_that_make_no_sense_are_a_bug(void) {
+    const elmopp_rollout_options_t good = elmopp_rollout_defaults(8U);
+    elmopp_rollout_options_t bad[12];
+    for (uint32_t i = 0U; i < 12U; i++) {
+        bad[i] = good;
+    }
+    bad[0].min_s = 0U;
+    bad[1].max_s = 4U;
+    bad[2].horizon_s = 0U;
+    bad[3].horizon_s = ELMOPP_HORIZON_MAX + 1U;
+    bad[4].hold_count = 0U;
+    bad[5].rule_count = ELMOPP_ROLLOUT_RULE_MAX + 1U;
+    bad[6].hold_s[2] = 0U;
+    bad[7].ratio[1] = 0.9F;
+    bad[8].mean_weight = -0.1F;
+    bad[9].row_weight = 1.1F;
+    bad[10].yellow_used_s = -1.0F;
+    bad[11].sight.travel_s = ELMOPP_SIGHT_TRAVEL_MAX_S + 1U;
+    for (uint32_t i = 0U; i < 12U; i++) {
+        TEST_EXPECT_ASSERT((void)elmopp_rollout_init(&rollout, &bad[i]));
+    }
+}
+
+int main(void) {
+    UNITY_BEGIN();
+    RUN_TEST(test_the_defaults_are_those_that_were_measured);
+    RUN_TEST(test_it_asks_for_the_forecast_that_its_horizon_needs);
+    RUN_TEST(test_the_first_stage_is_that_of_most_vehicles_times_flow);
+    RUN_TEST(test_in_the_intergreen_it_sees_arrivals_and_keeps_the_target);
+    RUN_TEST(test_a_stage_is_never_left_before_min);
+    RUN_TEST(test_green_rests_where_nobody_waits_on_red);
+    RUN_TEST(test_a_dead_green_is_left);
+    RUN_TEST(test_a_queue_that_empties_soon_is_served_first);
+    RUN_TEST(test_the_price_of_a_change_decides);
+    RUN_TEST(test_a_score_is_minus_the_sum_of_all_queues);
+    RUN_TEST(test_far_seconds_weigh_less);
+    RUN_TEST(test_a_stage_that_nobody_asks_for_is_not_tried);
+    RUN_TEST(test_rows_are_taken_at_their_weight);
+    RUN_TEST(test_a_row_that_is_no_number_is_nobody);
+    RUN_TEST(test_without_rows_the_mean_of_the_arrivals_counts_half);
+    RUN_TEST(test_who_drives_is_queued_when_he_arrives);
+    RUN_TEST(test_a_blocked_queue_is_taken_to_leave_half_as_fast);
+    RUN_TEST(test_the_law_of_the_profile_empties_the_modelled_queue);
+    RUN_TEST(test_at_max_it_leaves_if_somebody_asks);
+    RUN_TEST(test_among_equals_the_lowest_index_wins);
+    RUN_TEST(test_nobody_is_passed_over_longer_than_the_bound);
+    RUN_TEST(test_of_two_who_are_overdue_the_one_who_waits_longer_is_first);
+    RUN_TEST(test_who_is_overdue_and_blocked_does_not_hold_his_green);
+    RUN_TEST(test_a_junction_of_one_stage_keeps_it);
+    RUN_TEST(test_whatever_is_counted_it_names_a_stage_and_finite_scores);
+    RUN_TEST(test_the_same_counts_give_the_same_answers_and_bits);
+    RUN_TEST(test_options_that_make_no_sense_are_a_bug);
+    return UNITY_END();
+}
