@@ -21,10 +21,10 @@ class Direct final : public Control {
         Arrivals(scenario, demand).absorb_known(pilot_, 0);
     }
 
-    void count(const Traffic &traffic, std::size_t t_s) override {
+    void count(const Counted &world, std::size_t t_s) override {
         for (std::size_t j = 0; j < present_veh_.size(); ++j) {
-            present_veh_[j] = static_cast<float>(traffic.queue_veh()[j]);
-            arrived_veh_[j] = static_cast<float>(traffic.arrived_veh()[j]);
+            present_veh_[j] = static_cast<float>(world.queue_veh()[j]);
+            arrived_veh_[j] = static_cast<float>(world.arrived_veh()[j]);
         }
         const elmopp_counts_t counts{present_veh_.data(), arrived_veh_.data(), 0U};
         const bool given = oracle_ || demand_.foresight != nullptr;

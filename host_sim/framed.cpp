@@ -184,8 +184,8 @@ class Framed final : public Control {
         start(scenario, demand);
     }
 
-    void count(const Traffic &traffic, std::size_t /*t_s*/) override {
-        count(traffic.queue_veh(), traffic.arrived_veh());
+    void count(const Counted &world, std::size_t /*t_s*/) override {
+        count(world.queue_veh(), world.arrived_veh());
     }
 
     elmopp_lamps_t lamp_tick() override {

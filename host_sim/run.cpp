@@ -28,10 +28,10 @@ void write_line(std::ostream &out, const Second &second, const elmopp_junction_t
     out << decision_line({second.t_s, told.stage, second.lamps, &junction, told.present_veh, told.arrived_veh,
                           told.score, told.foreseen_veh, told.fault});
     if (full) {
-        out << ",\"queue_veh\":" << list_of(second.traffic.queue_veh(), movements)
-            << ",\"outside_veh\":" << list_of(second.traffic.outside_veh(), movements)
+        out << ",\"queue_veh\":" << list_of(second.world.queue_veh(), movements)
+            << ",\"outside_veh\":" << list_of(second.world.outside_veh(), movements)
             << ",\"red_s\":" << list_of(second.red_s, movements)
-            << ",\"out_veh\":" << list_of(second.traffic.left_veh(), movements);
+            << ",\"out_veh\":" << list_of(second.world.left_veh(), movements);
     }
     if (full && told.mode != ELMOPP_MODE_COUNT) {
         out << ",\"mode\":" << static_cast<unsigned>(told.mode);

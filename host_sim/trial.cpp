@@ -7,6 +7,8 @@
 #include "error.hpp"
 #include "jobs.hpp"
 #include "networks.hpp"
+#include "signals.hpp"
+#include "traffic.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -19,47 +21,6 @@ constexpr double metric_min_veh = 1.0; ///< a lane with less is nobody's red
 double sum(const std::vector<double> &values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
-
-/// What each movement's lamps have meant to its drivers.
-class Signals {
-  public:
-    explicit Signals(const elmopp_junction_t &junction)
-        : junction_(junction), green_ds_(junction.movement_count), red_ds_(junction.movement_count),
-          flowing_ds_(junction.movement_count) {}
-
-    void begin_second() {
-        std::fill(flowing_ds_.begin(), flowing_ds_.end(), 0U);
-    }
-
-    void show(const elmopp_lamps_t &lamps) {
-        if (lamps.green != green_) {
-            green_ = lamps.green;
-            going_ = elmopp_junction_served(&junction_, green_);
-        }
-        for (std::size_t j = 0; j < green_ds_.size(); ++j) {
-            const bool goes = elmopp_mask_has(going_, static_cast<std::uint32_t>(j));
-            // Green time before the start-up loss is over moves nobody.
-            flowing_ds_[j] += goes && green_ds_[j] >= junction_.movement[j].startup_ds ? 1U : 0U;
-            green_ds_[j] = goes ? green_ds_[j] + 1U : 0U;
-            red_ds_[j] = goes ? 0U : red_ds_[j] + 1U;
-        }
-    }
-
-    void end_second(std::vector<double> &flowing, std::vector<double> &red_s) const {
-        for (std::size_t j = 0; j < green_ds_.size(); ++j) {
-            flowing[j] = flowing_ds_[j] / 10.0;
-            red_s[j] = red_ds_[j] / 10.0;
-        }
-    }
-
-  private:
-    const elmopp_junction_t &junction_;
-    std::uint16_t green_ = 0;
-    std::uint32_t going_ = 0;
-    std::vector<unsigned> green_ds_;
-    std::vector<unsigned> red_ds_;
-    std::vector<unsigned> flowing_ds_;
-};
 
 /// Sums up what the metrics need.
 class Meter {
@@ -187,7 +148,10 @@ Metrics run_trial(const Scenario &scenario, Control &control, const Demand &dema
             lamps = control.lamp_tick();
             signals.show(lamps);
         }
-        signals.end_second(flowing, red_s);
+        for (std::size_t j = 0; j < red_s.size(); ++j) {
+            flowing[j] = signals.flowing(j);
+            red_s[j] = signals.red_s(j);
+        }
         traffic.leave(flowing);
         traffic.check_conservation();
         const Told told = control.told();

@@ -10,10 +10,10 @@
 
 #include "choosers.hpp"
 #include "control.hpp"
+#include "counted.hpp"
 #include "foresight.hpp"
 #include "inflow.hpp"
 #include "scenario.hpp"
-#include "traffic.hpp"
 
 #include <functional>
 #include <string>
@@ -87,7 +87,7 @@ struct Second {
     std::size_t t_s;
     const Told &told;
     const elmopp_lamps_t &lamps;
-    const Traffic &traffic;
+    const Counted &world;
     const std::vector<double> &red_s; ///< [movement]
 };
 
