@@ -8,6 +8,7 @@
 #include "jobs.hpp"
 #include "networks.hpp"
 #include "signals.hpp"
+#include "street_trial.hpp"
 #include "traffic.hpp"
 
 #include <algorithm>
@@ -104,7 +105,7 @@ Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, s
 
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds) {
-    Demand demand{unit, origin, ar8, {}, {}, nullptr, vehicles_per_approach, nullptr};
+    Demand demand{unit, origin, ar8, {}, {}, nullptr, vehicles_per_approach};
     for (auto &series : demand.veh_per_s) {
         for (double &value : series) {
             value *= vehicles_per_approach;
@@ -121,6 +122,29 @@ Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t
     return demand;
 }
 
+Demand make_discrete_demand(const Scenario &scenario, const Series &unit, double vehicles_per_approach,
+                            std::uint64_t seed, std::uint64_t trial, std::size_t seconds) {
+    const double mean_veh_per_s = vehicles_per_approach / static_cast<double>(simulated_points);
+    const Series rate =
+        rates(scenario.street->demand, unit, scenario.junction.approach_count, mean_veh_per_s, seed, trial);
+    const Comings comings = draw_comings(rate, seed, trial);
+    const Series counts = counted(comings);
+    std::vector<elmopp_ar8_t> ar8;
+    ar8.reserve(counts.size());
+    for (const auto &series : counts) {
+        ar8.push_back(training_mean(series) > 0.0 ? fit_ar8(series) : shipped_weights("lstm")->ar8);
+    }
+    Demand demand = make_demand(counts, 1.0, training_points, ar8, true, seconds);
+    // Counts of second t are known when the next one begins: row 0 is what comes in the second that begins.
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        for (std::size_t t = 0; t < demand.future_veh[i].size() && training_points + t < counts[i].size(); ++t) {
+            demand.future_veh[i][t] = static_cast<float>(counts[i][training_points + t]);
+        }
+    }
+    demand.comings = comings;
+    return demand;
+}
+
 Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const Demand &demand, std::size_t seconds,
                   const Observer &observer) {
     const auto control = make_direct(scenario, chooser, demand);
@@ -129,6 +153,9 @@ Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const De
 
 Metrics run_trial(const Scenario &scenario, Control &control, const Demand &demand, std::size_t seconds,
                   const Observer &observer) {
+    if (scenario.street) {
+        return run_streets(plan_of(scenario), {{scenario, control, demand}}, seconds, observer);
+    }
     Traffic traffic(scenario);
     Signals signals(scenario.junction);
     Meter meter;

@@ -110,6 +110,7 @@ BAD_VALUES = [
     ("run --chooser naive:mean", "naive:mean", "reads no forecast"),
     ("run --chooser ", '""', "naive"),
     ("run --profile papers", '"papers"', "paper, saturation, figure, literal"),
+    ("run --profile discrete@speed=0", '"0"', "5 to 200"),
     ("run --vehicles 0", '"0"', "1 to 100000"),
     ("run --vehicles -5", '"-5"', "1 to 100000"),
     ("run --vehicles abc", '"abc"', "1 to 100000"),
@@ -180,6 +181,7 @@ BAD_VALUES = [
     ("experiment --choosers naive,", '""', "naive, cumulative"),
     ("experiment --choosers naive@min=61", "61", "1 to 60"),
     ("experiment --profile paper,frob", '"frob"', "paper, saturation, figure, literal"),
+    ("experiment --profile discrete@site=frob", '"frob"', "four_way, one_way"),
     ("experiment --vehicles 200,0", '"0"', "1 to 100000"),
     ("experiment --vehicles -5", '"-5"', "1 to 100000"),
     ("experiment --vehicles 200,abc", '"abc"', "1 to 100000"),
@@ -389,7 +391,7 @@ def test_help_of_a_command_has_every_option(command: str) -> None:
 def test_list_as_json() -> None:
     listed = json.loads(succeed("list", "--json").stdout)
     assert list(listed) == ["profiles", "choosers", "forecasts", "links"]
-    assert [profile["name"] for profile in listed["profiles"]] == ["paper", "saturation", "figure", "literal"]
+    assert [profile["name"] for profile in listed["profiles"]] == ["paper", "saturation", "figure", "literal", "discrete"]
     assert all(set(profile) == {"name", "what"} and profile["what"] for profile in listed["profiles"])
     for chooser in listed["choosers"]:
         assert list(chooser) == ["name", "what", "rival", "forecasts", "options"]
