@@ -182,6 +182,12 @@ BAD_VALUES = [
     ("experiment --choosers naive@min=61", "61", "1 to 60"),
     ("experiment --profile paper,frob", '"frob"', "paper, saturation, figure, literal"),
     ("experiment --profile discrete@site=frob", '"frob"', "four_way, one_way"),
+    ("experiment --network grid:0x2", "grid:0x2", "ROWSxCOLUMNS"),
+    ("experiment --network nowhere.toml", "nowhere.toml", "TOML network file"),
+    ("experiment --network grid:2x2 --neighbours frob", '"frob"', "off, on, both"),
+    ("experiment --network grid:2x2 --profile paper", "paper", "only discrete"),
+    ("experiment --network grid:2x2 --split 1,1,1", "--split", "grid:2x2"),
+    ("experiment --neighbours on", "--neighbours on", "--network"),
     ("experiment --vehicles 200,0", '"0"', "1 to 100000"),
     ("experiment --vehicles -5", '"-5"', "1 to 100000"),
     ("experiment --vehicles 200,abc", '"abc"', "1 to 100000"),
@@ -362,7 +368,8 @@ def test_an_interrupted_experiment_leaves_nothing(tmp_path: Path, number: signal
 # --------------------------------------------------------------------------------------------------------------------
 
 OPTIONS = {
-    "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split",
+    "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split "
+    "network neighbours",
     "run": "profile site chooser vehicles trial trace weights seconds log full summary link clock integrator seed "
     "mapping split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",
