@@ -9,8 +9,8 @@
 #pragma once
 
 #include "choosers.hpp"
+#include "counted.hpp"
 #include "scenario.hpp"
-#include "traffic.hpp"
 
 #include <memory>
 #include <vector>
@@ -39,7 +39,7 @@ class Control {
     virtual ~Control() = default;
 
     /// Once a second, after the arrivals.
-    virtual void count(const Traffic &traffic, std::size_t t_s) = 0;
+    virtual void count(const Counted &world, std::size_t t_s) = 0;
     /// Ten times a second after it: the lamps until the next.
     virtual elmopp_lamps_t lamp_tick() = 0;
     [[nodiscard]] virtual Told told() const = 0;

@@ -112,7 +112,7 @@ class Experiment {
     void add(const std::vector<Block> &blocks) {
         const auto vehicles = request_.vehicles.empty() ? std::vector<unsigned>{0} : request_.vehicles;
         for (const auto &block : blocks) {
-            scenarios_.push_back(make_scenario(find_profile(block.profile), nullptr, request_.split));
+            scenarios_.push_back(make_scenario(block.profile, nullptr, request_.split));
             for (const auto &chooser : block.choosers) {
                 (void)make_chooser(chooser,
                                    scenarios_.back().setting()); // a wrong option ends here, before anything runs
@@ -148,8 +148,8 @@ class Experiment {
         }
         std::map<std::pair<Integrator, std::string>, std::uint16_t> steps;
         for (const auto &cell : cells_) {
-            if (shipped_weights(cell.chooser.forecast) != nullptr) {
-                const Scenario &scenario = scenarios_[cell.scenario];
+            const Scenario &scenario = scenarios_[cell.scenario];
+            if (!scenario.street && shipped_weights(cell.chooser.forecast) != nullptr) {
                 auto &most = steps[{integrator_of(scenario), cell.chooser.forecast}];
                 const std::uint16_t asked_s = make_chooser(cell.chooser, scenario.setting())->chooser.horizon_s;
                 most = std::max({most, asked_s, std::uint16_t{ELMOPP_PILOT_TRACE_S}});
@@ -168,7 +168,9 @@ class Experiment {
 
     [[nodiscard]] const Foresight *foresight_of(const Cell &cell) const {
         const auto found = foresights_.find({integrator_of(scenarios_[cell.scenario]), cell.chooser.forecast});
-        return found == foresights_.end() ? nullptr : &found->second[cell.trial];
+        // Single vehicles are no trajectory of the paper's: their network runs inside the trial.
+        const bool looked = found != foresights_.end() && !scenarios_[cell.scenario].street;
+        return looked ? &found->second[cell.trial] : nullptr;
     }
 
     [[nodiscard]] Row run_cell(const Cell &cell) const {
@@ -176,7 +178,9 @@ class Experiment {
         const Source &source = sources_.at(integrator_of(scenario))[cell.trial];
         const unsigned vehicles = cell.vehicles == 0 ? source.random_vehicles : cell.vehicles;
         const double each = vehicles_per_approach(scenario.profile.scope, vehicles, paper_approaches);
-        Demand demand = make_demand(source.unit, each, training_points, source.ar8, true, seconds);
+        Demand demand = scenario.street
+                            ? make_discrete_demand(scenario, source.unit, each, request_.seed, cell.trial, seconds)
+                            : make_demand(source.unit, each, training_points, source.ar8, true, seconds);
         demand.foresight = foresight_of(cell);
         return {scenario.profile.name,
                 cell.chooser.label(),

@@ -199,9 +199,9 @@ class Framed final : public Control {
         start(scenario, demand);
     }
 
-    void count(const Traffic &traffic, std::size_t /*t_s*/) override {
-        occupied_ = traffic.junction_occupied();
-        count(traffic.queue_veh(), traffic.arrived_veh());
+    void count(const Counted &world, std::size_t /*t_s*/) override {
+        occupied_ = world.junction_occupied();
+        count(world.queue_veh(), world.arrived_veh());
     }
 
     elmopp_lamps_t lamp_tick() override {

@@ -10,6 +10,7 @@
 #include "error.hpp"
 #include "experiment.hpp"
 #include "jobs.hpp"
+#include "road_network_trial.hpp"
 #include "run.hpp"
 #include "scenario.hpp"
 
@@ -119,6 +120,8 @@ struct Texts {
     std::string integrator{"rk4"};
     std::string scope{"per_inroad"};
     std::string site;
+    std::string network;
+    std::string neighbours{"off"};
     std::string trace;
     std::string weights;
     std::string seconds;
@@ -182,6 +185,42 @@ ExperimentRequest experiment_request(const CLI::App &command, const Texts &texts
     return request;
 }
 
+/// What of an experiment makes sense for a network.
+NetworkRequest network_request(const CLI::App &command, const Texts &texts) {
+    for (const auto *const option : {"--split", "--mapping", "--integrator", "--count-scores"}) {
+        if (command.count(option) > 0) {
+            throw BadRequest(std::string(option) + " with --network " + texts.network +
+                             ": says nothing of a network; right would be no " + option);
+        }
+    }
+    const ExperimentRequest plain = experiment_request(command, texts);
+    if (plain.vehicles.empty()) {
+        throw BadRequest("--vehicles random with --network " + texts.network + ": right would be numbers");
+    }
+    NetworkRequest request;
+    request.network = texts.network;
+    request.profile = command.count("--profile") > 0 ? texts.profile : request.profile;
+    request.choosers = plain.choosers;
+    request.neighbours = one_of<std::vector<bool>>("--neighbours", texts.neighbours,
+                                                   {{"off", {false}}, {"on", {true}}, {"both", {false, true}}});
+    request.vehicles = plain.vehicles;
+    request.trials = plain.trials;
+    request.seed = plain.seed;
+    request.jobs = plain.jobs;
+    request.out = plain.out;
+    return request;
+}
+
+void run_either(const CLI::App &command, const Texts &texts) {
+    if (command.count("--network") > 0) {
+        return run_network_experiment(network_request(command, texts));
+    }
+    if (command.count("--neighbours") > 0) {
+        throw BadRequest("--neighbours " + texts.neighbours + " without --network: right would be one with the other");
+    }
+    run_experiment(experiment_request(command, texts));
+}
+
 void add_experiment(CLI::App &app, Texts &texts) {
     auto *command = app.add_subcommand(
         "experiment", "The paper's evaluation: every chooser on the same trials; table, figures, claims");
@@ -198,9 +237,13 @@ void add_experiment(CLI::App &app, Texts &texts) {
     option("--out", texts.out, "DIR", "Folder for the results")->capture_default_str();
     option("--count-scores", texts.count_scores, "FILE", "Scores of the camera, for the claim about counting");
     option("--integrator", texts.integrator, "NAME", "rk4 or euler (default: the profile's)");
+    option("--network", texts.network, "NET",
+           "Several junctions under profile discrete: grid:ROWSxCOLUMNS or a .toml file; N to every arm from outside");
+    option("--neighbours", texts.neighbours, "NAME", "With --network: announced outflow off, on or both, in pairs")
+        ->capture_default_str();
     command->add_flag("--no-figures", texts.no_figures, "Leave the figures out");
     add_traffic_options(command, texts);
-    command->callback([command, &texts] { run_experiment(experiment_request(*command, texts)); });
+    command->callback([command, &texts] { run_either(*command, texts); });
 }
 
 /// "inproc" or "can:IFACE".

@@ -28,10 +28,10 @@ void write_line(std::ostream &out, const Second &second, const elmopp_junction_t
     out << decision_line({second.t_s, told.stage, second.lamps, &junction, told.present_veh, told.arrived_veh,
                           told.score, told.foreseen_veh, told.fault});
     if (full) {
-        out << ",\"queue_veh\":" << list_of(second.traffic.queue_veh(), movements)
-            << ",\"outside_veh\":" << list_of(second.traffic.outside_veh(), movements)
+        out << ",\"queue_veh\":" << list_of(second.world.queue_veh(), movements)
+            << ",\"outside_veh\":" << list_of(second.world.outside_veh(), movements)
             << ",\"red_s\":" << list_of(second.red_s, movements)
-            << ",\"out_veh\":" << list_of(second.traffic.left_veh(), movements);
+            << ",\"out_veh\":" << list_of(second.world.left_veh(), movements);
     }
     if (full && told.mode != ELMOPP_MODE_COUNT) {
         out << ",\"mode\":" << static_cast<unsigned>(told.mode);
@@ -77,7 +77,7 @@ nlohmann::ordered_json summary_of(const Scenario &scenario, const ChooserSpec &c
 }
 
 Scenario scenario_of(const RunRequest &request) {
-    const Profile &profile = find_profile(request.profile.value_or(request.site ? "saturation" : "paper"));
+    const std::string profile = request.profile.value_or(request.site ? "saturation" : "paper");
     if (!request.site) {
         return make_scenario(profile, nullptr, request.split);
     }
@@ -138,7 +138,13 @@ void run_once(const RunRequest &request) {
     // A trace has no training points: the regression is the shipped one, as on the street, and its demand scale a
     // running mean.
     const std::vector<elmopp_ar8_t> street(unit.size(), shipped_weights("lstm")->ar8);
-    Demand demand = make_demand(unit, each, origin, request.trace ? street : generated.ar8, !request.trace, seconds);
+    if (scenario.street && request.trace) {
+        throw BadRequest("--trace " + request.trace->string() +
+                         " with profile discrete: it draws its own vehicles; right would be profile saturation");
+    }
+    Demand demand = scenario.street ? make_discrete_demand(scenario, unit, each, request.seed, request.trial, seconds)
+                                    : make_demand(unit, each, origin, request.trace ? street : generated.ar8,
+                                                  !request.trace, seconds);
     std::optional<elmopp_weights_t> weights;
     if (request.weights) {
         weights = read_weights(*request.weights);

@@ -3,18 +3,36 @@
 
 #include "scenario.hpp"
 
+#include "comings.hpp"
 #include "csv.hpp"
 #include "error.hpp"
 #include "sites.hpp"
+#include "street_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace elmopp {
 namespace {
 
 constexpr float paper_free_flow_m_per_s = 10.0F;
+constexpr double km_per_h = 1.0 / 3.6;
+constexpr double usual_speed_km_per_h = 50.0;
+constexpr double usual_road_m = 200.0; ///< of an arm before the counted reach
+constexpr double shortest_road_m = 15.0;
+constexpr double longest_arm_m = 10000.0;
+constexpr double highest_speed_km_per_h = 200.0;
+
+/// The junctions that profile discrete knows by name.
+const std::map<std::string, const elmopp_junction_t *> &named_sites() {
+    static const std::map<std::string, const elmopp_junction_t *> sites{{"five_way", &elmopp_site_five_way},
+                                                                        {"four_way", &elmopp_site_four_way},
+                                                                        {"one_way", &elmopp_site_one_way},
+                                                                        {"three_way", &elmopp_site_three_way}};
+    return sites;
+}
 
 /// Movements of one approach, in site order.
 std::vector<std::size_t> movements_of(const elmopp_junction_t &junction, std::size_t approach) {
@@ -44,6 +62,73 @@ std::vector<double> shares(const elmopp_junction_t &junction, const std::vector<
     return share;
 }
 
+/// A place for single vehicles: a street's junction, with the usual surroundings.
+Scenario make_discrete(const Profile &profile, const elmopp_junction_t &site, const std::vector<double> &split) {
+    Scenario scenario{profile, true, site, {}, {}};
+    elmopp_junction_t &junction = scenario.junction;
+    junction.discharge = ELMOPP_DISCHARGE_SATURATION;
+    for (std::size_t j = 0; j < junction.movement_count; ++j) {
+        scenario.capacity_veh.push_back(static_cast<double>(junction.movement[j].capacity_veh));
+    }
+    scenario.share = split.empty() ? usual_shares(junction) : shares(junction, split);
+    scenario.street = Surroundings{"alternating", usual_speed_km_per_h * km_per_h,
+                                   static_cast<double>(junction.reach_m) + usual_road_m};
+    return scenario;
+}
+
+/// A number between bounds. Throws BadRequest naming the option.
+double number_of(const std::string &option, const std::string &text, double lowest, double highest) {
+    double value = 0.0;
+    if (!parse_number(text, value) || !(value >= lowest && value <= highest)) {
+        throw BadRequest("option " + option + " of profile discrete is \"" + text + "\"; right would be " +
+                         format_number(lowest, 6) + " to " + format_number(highest, 6));
+    }
+    return value;
+}
+
+const elmopp_junction_t *named_site(const std::string &name) {
+    std::vector<std::string> names;
+    for (const auto &[known, site] : named_sites()) {
+        if (known == name) {
+            return site;
+        }
+        names.push_back(known);
+    }
+    throw BadRequest("option site of profile discrete is \"" + name + "\"; right would be one of " + join(names, ", "));
+}
+
+using Options = std::map<std::string, std::string>;
+
+/// NAME@OPTION=VALUE...: the options.
+Options options_of(const std::vector<std::string> &words) {
+    Options options;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        const auto equals = words[i].find('=');
+        const std::string name = words[i].substr(0, equals);
+        if (name != "site" && name != "demand" && name != "speed" && name != "length") {
+            throw BadRequest("unknown option \"" + name +
+                             "\" of profile discrete; right would be one of site, demand, speed, length");
+        }
+        options[name] = equals == std::string::npos ? "" : words[i].substr(equals + 1);
+    }
+    return options;
+}
+
+void apply(const Options &options, Scenario &scenario) {
+    Surroundings &street = *scenario.street;
+    const auto reach_m = static_cast<double>(scenario.junction.reach_m);
+    if (const auto found = options.find("demand"); found != options.end()) {
+        (void)rates(found->second, Series(1, std::vector<double>(1)), 1, 0.0, 0, 0); // refuses what is unknown
+        street.demand = found->second;
+    }
+    if (const auto found = options.find("speed"); found != options.end()) {
+        street.speed_m_per_s = number_of("speed", found->second, 5.0, highest_speed_km_per_h) * km_per_h;
+    }
+    if (const auto found = options.find("length"); found != options.end()) {
+        street.length_m = number_of("length", found->second, reach_m + shortest_road_m, longest_arm_m);
+    }
+}
+
 } // namespace
 
 const std::vector<Profile> &profiles() {
@@ -56,6 +141,8 @@ const std::vector<Profile> &profiles() {
          Scope::total, ELMOPP_DISCHARGE_GREENSHIELDS, 0.2, std::make_pair(5U, 20U), false},
         {"literal", "Algorithm 1 and Euler as printed, for the record", Integrator::euler, Scope::per_inroad,
          ELMOPP_DISCHARGE_GREENSHIELDS, 0.2, std::nullopt, true},
+        {"discrete", "single vehicles, finite lanes, counts within a reach; light and heavy by turns", Integrator::rk4,
+         Scope::per_inroad, ELMOPP_DISCHARGE_SATURATION, 0.0, std::nullopt, false, true},
     };
     return all;
 }
@@ -76,10 +163,19 @@ std::vector<std::string> Scenario::approach_names() const {
 }
 
 Setting Scenario::setting() const {
-    return {junction, own_site, profile.literal};
+    Setting setting{junction, own_site, profile.literal};
+    if (street) {
+        setting.travel_s =
+            static_cast<unsigned>(std::lround(static_cast<double>(junction.reach_m) / street->speed_m_per_s));
+    }
+    setting.downstream_veh = downstream_veh;
+    return setting;
 }
 
 Scenario make_scenario(const Profile &profile, const elmopp_junction_t *site, const std::vector<double> &split) {
+    if (profile.discrete) {
+        return make_discrete(profile, site == nullptr ? elmopp_site_four_way : *site, split);
+    }
     const bool paper = site == nullptr;
     Scenario scenario{profile, !paper, paper ? elmopp_site_paper : *site, {}, {}};
     elmopp_junction_t &junction = scenario.junction;
@@ -97,6 +193,26 @@ Scenario make_scenario(const Profile &profile, const elmopp_junction_t *site, co
         scenario.capacity_veh.push_back(paper ? 1000.0 / 3.0 : static_cast<double>(junction.movement[j].capacity_veh));
     }
     scenario.share = shares(junction, split);
+    return scenario;
+}
+
+Scenario make_scenario(const std::string &profile, const elmopp_junction_t *site, const std::vector<double> &split) {
+    const auto words = elmopp::split(profile, '@');
+    const Profile &kind = find_profile(words.front());
+    if (!kind.discrete) {
+        if (words.size() > 1) {
+            throw BadRequest("profile " + profile + ": only discrete has options; right would be " + kind.name);
+        }
+        return make_scenario(kind, site, split);
+    }
+    const Options options = options_of(words);
+    const auto name = options.find("site");
+    if (name != options.end() && site != nullptr) {
+        throw BadRequest("profile " + profile + " with --site: two sites; right would be one of them");
+    }
+    Scenario scenario = make_scenario(kind, name == options.end() ? site : named_site(name->second), split);
+    scenario.profile.name = profile;
+    apply(options, scenario);
     return scenario;
 }
 

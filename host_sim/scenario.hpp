@@ -3,7 +3,10 @@
 
 /// Scenario: which junction stands under which profile of inflow and discharge.
 ///
-/// The profile sets inflow and discharge, the site the junction (docs/algorithm.md, section Profiles).
+/// The profile sets inflow and discharge, the site the junction (docs/algorithm.md, section Profiles). Profile
+/// `discrete` moves single vehicles and has options of its own, part of its name as a chooser's are:
+///
+///     discrete[@site=NAME][@demand=PATTERN][@speed=KM_PER_H][@length=M]
 
 #pragma once
 
@@ -27,27 +30,44 @@ struct Profile {
     double initial_load;                                 ///< of every movement at second 0
     std::optional<std::pair<unsigned, unsigned>> hold_s; ///< replaces the site's window
     bool literal;                                        ///< Algorithm 1 as printed, for the choosers of the paper
+    bool discrete = false;                               ///< single vehicles, not a fluid
+};
+
+/// What the profile `discrete` knows beyond its site, the same for every arm.
+struct Surroundings {
+    std::string demand = "alternating"; ///< pattern of comings.hpp
+    double speed_m_per_s = 0.0;
+    double length_m = 0.0; ///< of an arm; the last reach_m of it are counted
 };
 
 /// All profiles, in the order of the documentation.
 const std::vector<Profile> &profiles();
 
-/// Throws BadRequest naming the value and the profiles there are.
+/// Throws BadRequest naming the value and the profiles there are. The name only, without options.
 const Profile &find_profile(const std::string &name);
 
 struct Scenario {
     Profile profile;
-    bool own_site;                    ///< a site file's junction, not the paper's
-    elmopp_junction_t junction;       ///< the site with the profile's discharge and window
-    std::vector<double> capacity_veh; ///< [movement], in double
-    std::vector<double> share;        ///< [movement] of its approach's inflow
+    bool own_site;                                     ///< a site file's junction, not the paper's
+    elmopp_junction_t junction;                        ///< the site with the profile's discharge and window
+    std::vector<double> capacity_veh;                  ///< [movement], in double
+    std::vector<double> share;                         ///< [movement] of its approach's inflow
+    std::optional<Surroundings> street = std::nullopt; ///< profile discrete only
+    /// What a chooser may know of the roads behind, Setting::downstream_veh; null: nothing.
+    const float *downstream_veh = nullptr;
 
     [[nodiscard]] std::vector<std::string> approach_names() const;
-    /// What a chooser is told. The fluid reaches the queue as soon as it is counted. Valid as long as the scenario.
+    /// What a chooser is told. The fluid reaches the queue as soon as it is counted, a vehicle after its drive through
+    /// the reach. Valid as long as the scenario.
     [[nodiscard]] Setting setting() const;
 };
 
 /// `site` null: the paper's own. `split`: shares of an approach's movements in site order, empty for equal ones.
 Scenario make_scenario(const Profile &profile, const elmopp_junction_t *site, const std::vector<double> &split = {});
+
+/// The same by the text of a request, options of the profile included. With `site` the option site is refused. Throws
+/// BadRequest naming the option, the value and what would be right.
+Scenario make_scenario(const std::string &profile, const elmopp_junction_t *site,
+                       const std::vector<double> &split = {});
 
 } // namespace elmopp

@@ -34,11 +34,9 @@ double discharge_veh_per_s(int law, double queue_veh, double capacity_veh, doubl
     return std::clamp(flow, 0.0, queue_veh);
 }
 
-Traffic::Traffic(const Scenario &scenario)
-    : scenario_(scenario), outside_veh_(scenario.capacity_veh.size()), arrived_veh_(scenario.capacity_veh.size()),
-      left_veh_(scenario.capacity_veh.size()) {
-    for (const double capacity_veh : scenario.capacity_veh) {
-        queue_veh_.push_back(scenario.profile.initial_load * capacity_veh);
+Traffic::Traffic(const Scenario &scenario) : Counted(scenario.capacity_veh.size()), scenario_(scenario) {
+    for (std::size_t j = 0; j < queue_veh_.size(); ++j) {
+        queue_veh_[j] = scenario.profile.initial_load * scenario.capacity_veh[j];
     }
     total_in_veh_ = sum(queue_veh_);
 }

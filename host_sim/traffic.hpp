@@ -11,14 +11,14 @@
 
 #pragma once
 
+#include "counted.hpp"
 #include "scenario.hpp"
 
-#include <optional>
 #include <vector>
 
 namespace elmopp {
 
-class Traffic {
+class Traffic final : public Counted {
   public:
     explicit Traffic(const Scenario &scenario);
 
@@ -32,23 +32,6 @@ class Traffic {
     /// Throws Failure if a vehicle has been lost or made: |initial + arrived - left - queued - outside| > 1e-6.
     void check_conservation() const;
 
-    [[nodiscard]] const std::vector<double> &queue_veh() const {
-        return queue_veh_;
-    }
-    [[nodiscard]] const std::vector<double> &outside_veh() const {
-        return outside_veh_;
-    }
-    [[nodiscard]] const std::vector<double> &arrived_veh() const {
-        return arrived_veh_;
-    } ///< in the last second
-    [[nodiscard]] const std::vector<double> &left_veh() const {
-        return left_veh_;
-    } ///< in the last second
-    /// Whether a vehicle stands inside the junction, as its camera would see it after arrive(). Nothing: these vehicles
-    /// have no place there, as a fluid has none. What is then not known is not sent to anybody.
-    [[nodiscard]] std::optional<bool> junction_occupied() const {
-        return std::nullopt;
-    }
     [[nodiscard]] double total_in_veh() const {
         return total_in_veh_;
     } ///< with the initial ones
@@ -60,10 +43,6 @@ class Traffic {
     [[nodiscard]] double flow_veh(std::size_t movement) const;
 
     const Scenario &scenario_;
-    std::vector<double> queue_veh_;
-    std::vector<double> outside_veh_;
-    std::vector<double> arrived_veh_;
-    std::vector<double> left_veh_;
     double total_in_veh_ = 0.0;
     double total_out_veh_ = 0.0;
 };

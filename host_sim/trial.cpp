@@ -7,6 +7,9 @@
 #include "error.hpp"
 #include "jobs.hpp"
 #include "networks.hpp"
+#include "signals.hpp"
+#include "street_trial.hpp"
+#include "traffic.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -19,47 +22,6 @@ constexpr double metric_min_veh = 1.0; ///< a lane with less is nobody's red
 double sum(const std::vector<double> &values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
-
-/// What each movement's lamps have meant to its drivers.
-class Signals {
-  public:
-    explicit Signals(const elmopp_junction_t &junction)
-        : junction_(junction), green_ds_(junction.movement_count), red_ds_(junction.movement_count),
-          flowing_ds_(junction.movement_count) {}
-
-    void begin_second() {
-        std::fill(flowing_ds_.begin(), flowing_ds_.end(), 0U);
-    }
-
-    void show(const elmopp_lamps_t &lamps) {
-        if (lamps.green != green_) {
-            green_ = lamps.green;
-            going_ = elmopp_junction_served(&junction_, green_);
-        }
-        for (std::size_t j = 0; j < green_ds_.size(); ++j) {
-            const bool goes = elmopp_mask_has(going_, static_cast<std::uint32_t>(j));
-            // Green time before the start-up loss is over moves nobody.
-            flowing_ds_[j] += goes && green_ds_[j] >= junction_.movement[j].startup_ds ? 1U : 0U;
-            green_ds_[j] = goes ? green_ds_[j] + 1U : 0U;
-            red_ds_[j] = goes ? 0U : red_ds_[j] + 1U;
-        }
-    }
-
-    void end_second(std::vector<double> &flowing, std::vector<double> &red_s) const {
-        for (std::size_t j = 0; j < green_ds_.size(); ++j) {
-            flowing[j] = flowing_ds_[j] / 10.0;
-            red_s[j] = red_ds_[j] / 10.0;
-        }
-    }
-
-  private:
-    const elmopp_junction_t &junction_;
-    std::uint16_t green_ = 0;
-    std::uint32_t going_ = 0;
-    std::vector<unsigned> green_ds_;
-    std::vector<unsigned> red_ds_;
-    std::vector<unsigned> flowing_ds_;
-};
 
 /// Sums up what the metrics need.
 class Meter {
@@ -143,7 +105,7 @@ Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, s
 
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds) {
-    Demand demand{unit, origin, ar8, {}, {}, nullptr, vehicles_per_approach, nullptr};
+    Demand demand{unit, origin, ar8, {}, {}, nullptr, vehicles_per_approach};
     for (auto &series : demand.veh_per_s) {
         for (double &value : series) {
             value *= vehicles_per_approach;
@@ -160,6 +122,29 @@ Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t
     return demand;
 }
 
+Demand make_discrete_demand(const Scenario &scenario, const Series &unit, double vehicles_per_approach,
+                            std::uint64_t seed, std::uint64_t trial, std::size_t seconds) {
+    const double mean_veh_per_s = vehicles_per_approach / static_cast<double>(simulated_points);
+    const Series rate =
+        rates(scenario.street->demand, unit, scenario.junction.approach_count, mean_veh_per_s, seed, trial);
+    const Comings comings = draw_comings(rate, seed, trial);
+    const Series counts = counted(comings);
+    std::vector<elmopp_ar8_t> ar8;
+    ar8.reserve(counts.size());
+    for (const auto &series : counts) {
+        ar8.push_back(training_mean(series) > 0.0 ? fit_ar8(series) : shipped_weights("lstm")->ar8);
+    }
+    Demand demand = make_demand(counts, 1.0, training_points, ar8, true, seconds);
+    // Counts of second t are known when the next one begins: row 0 is what comes in the second that begins.
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        for (std::size_t t = 0; t < demand.future_veh[i].size() && training_points + t < counts[i].size(); ++t) {
+            demand.future_veh[i][t] = static_cast<float>(counts[i][training_points + t]);
+        }
+    }
+    demand.comings = comings;
+    return demand;
+}
+
 Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const Demand &demand, std::size_t seconds,
                   const Observer &observer) {
     const auto control = make_direct(scenario, chooser, demand);
@@ -168,6 +153,9 @@ Metrics run_trial(const Scenario &scenario, const ChooserSpec &chooser, const De
 
 Metrics run_trial(const Scenario &scenario, Control &control, const Demand &demand, std::size_t seconds,
                   const Observer &observer) {
+    if (scenario.street) {
+        return run_streets(plan_of(scenario), {{scenario, control, demand}}, seconds, observer);
+    }
     Traffic traffic(scenario);
     Signals signals(scenario.junction);
     Meter meter;
@@ -187,7 +175,10 @@ Metrics run_trial(const Scenario &scenario, Control &control, const Demand &dema
             lamps = control.lamp_tick();
             signals.show(lamps);
         }
-        signals.end_second(flowing, red_s);
+        for (std::size_t j = 0; j < red_s.size(); ++j) {
+            flowing[j] = signals.flowing(j);
+            red_s[j] = signals.red_s(j);
+        }
         traffic.leave(flowing);
         traffic.check_conservation();
         const Told told = control.told();

@@ -9,11 +9,13 @@
 #pragma once
 
 #include "choosers.hpp"
+#include "comings.hpp"
 #include "control.hpp"
+#include "counted.hpp"
 #include "foresight.hpp"
 #include "inflow.hpp"
 #include "scenario.hpp"
-#include "traffic.hpp"
+#include "streets.hpp"
 
 #include <functional>
 #include <string>
@@ -31,6 +33,13 @@ struct Source {
 Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, std::uint64_t trial,
                    std::size_t approaches);
 
+/// A neighbour's outflow to one approach, from now on.
+struct Announced {
+    bool is_announced = false; ///< false: this approach has no neighbour that speaks
+    Outflow outflow;
+    std::size_t sure_s = 0; ///< so many seconds ahead nobody else can come
+};
+
 /// The vehicles of one trajectory or trace, scaled to a demand, with everything that the forecasts need to know
 /// beforehand.
 struct Demand {
@@ -44,6 +53,11 @@ struct Demand {
     const Foresight *foresight = nullptr;
     double vehicles_per_approach = 1.0;
     const elmopp_weights_t *weights = nullptr; ///< instead of the shipped ones
+    /// Profile discrete: the vehicles one by one; veh_per_s and future_veh then are their counts at the edge of the
+    /// reach if nobody were in their way.
+    Comings comings = {};
+    /// What neighbours announce, by approach; kept up to date by its owner. Null: nothing is announced.
+    const std::vector<Announced> *announced = nullptr;
 };
 
 /// The arrivals as the core counts them.
@@ -64,6 +78,11 @@ class Arrivals {
 /// Scales a unit series to so many vehicles an approach and prepares the oracle's rows for `seconds`.
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds);
+
+/// The same for single vehicles at one junction: draws them. `unit` is the paper's inflow, of which demand hyperchaos
+/// makes rates.
+Demand make_discrete_demand(const Scenario &scenario, const Series &unit, double vehicles_per_approach,
+                            std::uint64_t seed, std::uint64_t trial, std::size_t seconds);
 
 /// The forecast that the core makes for itself; what comes from outside is none to it.
 elmopp_forecast_config_t forecast_of(const ChooserSpec &spec, const Demand &demand);
@@ -87,7 +106,7 @@ struct Second {
     std::size_t t_s;
     const Told &told;
     const elmopp_lamps_t &lamps;
-    const Traffic &traffic;
+    const Counted &world;
     const std::vector<double> &red_s; ///< [movement]
 };
 

@@ -21,6 +21,8 @@ find_package(nlohmann_json REQUIRED) # imported targets end with the folder that
 elmopp_add_host_sim_test(NAME test_inflow LABELS golden sim)
 elmopp_add_host_sim_test(NAME test_stats LABELS golden sim)
 elmopp_add_host_sim_test(NAME test_traffic LABELS unit sim)
+elmopp_add_host_sim_test(NAME test_streets LABELS unit sim TIMEOUT 300)
+elmopp_add_host_sim_test(NAME test_road_networks LABELS unit sim TIMEOUT 300)
 elmopp_add_host_sim_test(NAME test_rivals LABELS unit sim)
 elmopp_add_host_sim_test(NAME test_rivals_greedy LABELS unit sim)
 elmopp_add_host_sim_test(NAME test_rivals_cyclic LABELS unit sim)

@@ -110,6 +110,7 @@ BAD_VALUES = [
     ("run --chooser naive:mean", "naive:mean", "reads no forecast"),
     ("run --chooser ", '""', "naive"),
     ("run --profile papers", '"papers"', "paper, saturation, figure, literal"),
+    ("run --profile discrete@speed=0", '"0"', "5 to 200"),
     ("run --vehicles 0", '"0"', "1 to 100000"),
     ("run --vehicles -5", '"-5"', "1 to 100000"),
     ("run --vehicles abc", '"abc"', "1 to 100000"),
@@ -180,6 +181,13 @@ BAD_VALUES = [
     ("experiment --choosers naive,", '""', "naive, cumulative"),
     ("experiment --choosers naive@min=61", "61", "1 to 60"),
     ("experiment --profile paper,frob", '"frob"', "paper, saturation, figure, literal"),
+    ("experiment --profile discrete@site=frob", '"frob"', "four_way, one_way"),
+    ("experiment --network grid:0x2", "grid:0x2", "ROWSxCOLUMNS"),
+    ("experiment --network nowhere.toml", "nowhere.toml", "TOML network file"),
+    ("experiment --network grid:2x2 --neighbours frob", '"frob"', "off, on, both"),
+    ("experiment --network grid:2x2 --profile paper", "paper", "only discrete"),
+    ("experiment --network grid:2x2 --split 1,1,1", "--split", "grid:2x2"),
+    ("experiment --neighbours on", "--neighbours on", "--network"),
     ("experiment --vehicles 200,0", '"0"', "1 to 100000"),
     ("experiment --vehicles -5", '"-5"', "1 to 100000"),
     ("experiment --vehicles 200,abc", '"abc"', "1 to 100000"),
@@ -360,7 +368,8 @@ def test_an_interrupted_experiment_leaves_nothing(tmp_path: Path, number: signal
 # --------------------------------------------------------------------------------------------------------------------
 
 OPTIONS = {
-    "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split",
+    "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split "
+    "network neighbours",
     "run": "profile site chooser vehicles trial trace weights seconds log full summary link clock integrator seed "
     "mapping split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",
@@ -389,7 +398,7 @@ def test_help_of_a_command_has_every_option(command: str) -> None:
 def test_list_as_json() -> None:
     listed = json.loads(succeed("list", "--json").stdout)
     assert list(listed) == ["profiles", "choosers", "forecasts", "links"]
-    assert [profile["name"] for profile in listed["profiles"]] == ["paper", "saturation", "figure", "literal"]
+    assert [profile["name"] for profile in listed["profiles"]] == ["paper", "saturation", "figure", "literal", "discrete"]
     assert all(set(profile) == {"name", "what"} and profile["what"] for profile in listed["profiles"])
     for chooser in listed["choosers"]:
         assert list(chooser) == ["name", "what", "rival", "forecasts", "options"]

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Networks: the adjacency tensor, roads that fill up to the junction before, and what neighbours tell each other.
+
+#include "error.hpp"
+#include "expect.hpp"
+#include "road_network.hpp"
+#include "road_network_trial.hpp"
+#include "streets.hpp"
+
+#include <numeric>
+
+using namespace elmopp;
+
+extern "C" void setUp(void) {}
+extern "C" void tearDown(void) {}
+
+namespace {
+
+enum Movement : std::uint8_t { NL, NM, NR, EL, EM, ER, SL, SM, SR, WL, WM, WR };
+enum Side : std::uint8_t { N, E, S, W };
+constexpr std::uint32_t all_open = 0xFFFFFFFFU;
+
+const Way &way_of(const Network &network, std::size_t junction, Movement movement) {
+    for (const auto &arm : network.plan[junction].arms) {
+        for (const auto &way : arm.ways) {
+            if (way.movement == movement) {
+                return way;
+            }
+        }
+    }
+    TEST_FAIL_MESSAGE("no such way");
+    return network.plan[0].arms[0].ways[0];
+}
+
+void expect_leads_to(const Way &way, std::size_t junction, Side approach) {
+    TEST_ASSERT_TRUE(way.to.has_value());
+    TEST_ASSERT_EQUAL_size_t(junction, way.to->junction);
+    TEST_ASSERT_EQUAL_size_t(approach, way.to->approach);
+}
+
+/// The paper's a b / d c as in networks/g_alpha.toml.
+NetworkText g_alpha() {
+    NetworkText text;
+    text.name = "g_alpha";
+    text.nodes = {{"a", "four_way", {"", "b", "d", ""}},
+                  {"b", "four_way", {"", "", "c", "a"}},
+                  {"c", "four_way", {"b", "", "", "d"}},
+                  {"d", "four_way", {"a", "c", "", ""}}};
+    const Entry none{0, 0, 0};
+    const Entry all{1, 1, 1};
+    text.adjacency = {
+        {none, {0, 1, 1}, none, all}, {{0, 0, 1}, none, all, none}, {none, all, none, all}, {all, none, all, none}};
+    return text;
+}
+
+void test_turns_lead_to_the_neighbour_on_their_side() {
+    const Network network = make_network(grid(2, 2), "discrete"); // 0 1 over 2 3
+    expect_leads_to(way_of(network, 0, EL), 2, N);
+    expect_leads_to(way_of(network, 0, NM), 2, N);
+    expect_leads_to(way_of(network, 0, WM), 1, W);
+    expect_leads_to(way_of(network, 0, NL), 1, W);
+    expect_leads_to(way_of(network, 0, SR), 1, W);
+    expect_leads_to(way_of(network, 3, WL), 1, S);
+    TEST_ASSERT_FALSE(way_of(network, 0, NR).to.has_value());
+    TEST_ASSERT_FALSE(way_of(network, 0, SM).to.has_value());
+    TEST_ASSERT_TRUE(network.plan[0].arms[N].from_outside && network.plan[0].arms[W].from_outside);
+    TEST_ASSERT_FALSE(network.plan[0].arms[E].from_outside || network.plan[0].arms[S].from_outside);
+}
+
+void test_a_turn_without_lanes_in_the_tensor_is_a_dead_edge() {
+    const Network network = make_network(g_alpha(), "discrete");
+    // From a to b: no left. From b to a: right alone.
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, way_of(network, 1, WL).share);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.75, way_of(network, 1, WM).share);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.25, way_of(network, 1, WR).share);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, way_of(network, 0, EM).share);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0, way_of(network, 0, ER).share);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, network.scenarios[1].junction.movement[WL].capacity_veh);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, elmopp_junction_load(&network.scenarios[1].junction, WL, 3.0F));
+    TEST_ASSERT_TRUE(network.scenarios[0].junction.movement[NL].capacity_veh > 0.0F);
+}
+
+void test_a_tensor_that_does_not_fit_the_neighbours_is_named() {
+    const auto refused = [](const NetworkText &text) {
+        return message_of<BadRequest>([&] { (void)make_network(text, "discrete"); });
+    };
+    NetworkText road = g_alpha();
+    road.adjacency[0][2] = {1, 0, 0};
+    expect_words(refused(road), {"from a to c", "adjacency and neighbours differ"});
+    NetworkText missing = g_alpha();
+    missing.adjacency[2][3] = {0, 0, 0};
+    expect_words(refused(missing), {"from c to d", "differ"});
+    NetworkText nobody = g_alpha();
+    nobody.nodes[0].neighbours[E] = "x";
+    expect_words(refused(nobody), {"\"x\"", "of a", "no such junction"});
+    NetworkText site = g_alpha();
+    site.nodes[1].site = "five_way";
+    expect_words(refused(site), {"junction b", "SE", "N, E, S or W"});
+}
+
+/// Two junctions beside each other; so many vehicles come to the west of the first, all straight on.
+class Row {
+  public:
+    explicit Row(std::int64_t vehicles) : network_(make_network(grid(1, 2), "discrete")) {
+        for (auto &junction : network_.plan) {
+            for (auto &way : junction.arms[W].ways) {
+                way.share = way.movement == WM ? 1.0 : 0.0;
+            }
+        }
+        std::vector<Comings> comings(2, Comings(4));
+        for (std::int64_t i = 0; i < vehicles; ++i) {
+            comings[0][W].push_back({20 * i, static_cast<std::uint64_t>(i)});
+        }
+        streets.emplace(network_.plan, comings);
+    }
+
+    void run(unsigned seconds, std::uint32_t first, std::uint32_t second) {
+        for (unsigned t = 0; t < seconds; ++t) {
+            streets->begin_second();
+            for (unsigned tick = 0; tick < 10; ++tick) {
+                streets->tick({first, second});
+            }
+            streets->end_second();
+            streets->check_conservation();
+            crossed_first_veh += streets->counts(0).left_veh()[WM];
+        }
+    }
+
+    std::optional<Streets> streets;
+    double crossed_first_veh = 0.0;
+
+  private:
+    Network network_;
+};
+
+// A lane straight on stores 13 within the reach and 26 before it.
+void test_a_full_road_blocks_the_junction_before_it() {
+    Row row(80);
+    row.run(400, all_open, 0);
+    TEST_ASSERT_EQUAL_DOUBLE(39.0, row.crossed_first_veh);
+    TEST_ASSERT_EQUAL_size_t(0, row.streets->total_out_veh());
+    TEST_ASSERT_EQUAL_FLOAT(39.0F, row.streets->downstream_veh(0)[WM]);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, row.streets->downstream_veh(1)[WM]);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, row.streets->downstream_veh(0)[EM]);
+    row.run(400, all_open, all_open);
+    TEST_ASSERT_EQUAL_size_t(80, row.streets->total_out_veh());
+}
+
+// 200 m of road at 50 km/h: 14.4 s.
+void test_a_neighbour_announces_what_has_left_it_until_it_comes() {
+    Row row(1);
+    row.run(7, all_open, 0); // at the stop line after 7.2 s of reach
+    TEST_ASSERT_EQUAL_UINT(0, row.streets->outflow_to({1, W}).next60);
+    row.run(1, all_open, 0);
+    const Outflow left = row.streets->outflow_to({1, W});
+    TEST_ASSERT_EQUAL_UINT(0, left.next10);
+    TEST_ASSERT_EQUAL_UINT(10, left.next30);
+    TEST_ASSERT_EQUAL_UINT(10, left.next60);
+    row.run(4, all_open, 0);
+    TEST_ASSERT_EQUAL_UINT(10, row.streets->outflow_to({1, W}).next10);
+    row.run(10, all_open, 0); // 22 s: 7.2 + 14.4 are over
+    TEST_ASSERT_EQUAL_UINT(0, row.streets->outflow_to({1, W}).next60);
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, row.streets->counts(1).queue_veh()[WM]);
+    TEST_ASSERT_EQUAL_UINT(0, row.streets->outflow_to({0, W}).next60);
+}
+
+void test_what_is_announced_reaches_the_chooser_and_the_vehicles_stay_the_same() {
+    const Network network = make_network(grid(2, 2), "discrete");
+    const ChooserSpec chooser = parse_chooser("cumulative:mean");
+    const Metrics without = run_network(network, {chooser, false, 200, 0}, 1, 600);
+    const Metrics again = run_network(network, {chooser, false, 200, 0}, 1, 600);
+    const Metrics with = run_network(network, {chooser, true, 200, 0}, 1, 600);
+    TEST_ASSERT_EQUAL_DOUBLE(without.mean_delay_s, again.mean_delay_s);
+    TEST_ASSERT_EQUAL_DOUBLE(without.vehicles_in, with.vehicles_in);
+    TEST_ASSERT_TRUE(without.mean_delay_s != with.mean_delay_s);
+    TEST_ASSERT_EQUAL_DOUBLE(with.vehicles_in, with.vehicles_out + with.vehicles_queued + with.vehicles_outside);
+    // Who reads no forecast does not hear it.
+    const ChooserSpec deaf = parse_chooser("naive");
+    TEST_ASSERT_EQUAL_DOUBLE(run_network(network, {deaf, false, 200, 0}, 1, 300).mean_delay_s,
+                             run_network(network, {deaf, true, 200, 0}, 1, 300).mean_delay_s);
+}
+
+void test_max_pressure_sees_the_roads_behind() {
+    const Network network = make_network(grid(2, 2), "discrete");
+    const Network alone = make_network(grid(1, 1), "discrete");
+    const ChooserSpec chooser = parse_chooser("max-pressure");
+    TEST_ASSERT_TRUE(run_network(alone, {chooser, false, 200, 0}, 1, 300).vehicles_out > 0.0);
+    TEST_ASSERT_TRUE(run_network(network, {chooser, false, 200, 0}, 1, 300).vehicles_out > 0.0);
+}
+
+void test_a_grid_of_one_is_the_single_junction() {
+    const Network network = make_network(grid(1, 1), "discrete");
+    const Metrics metrics = run_network(network, {parse_chooser("naive"), false, 300, 4}, 1, 2000);
+    const Scenario scenario = make_scenario("discrete", nullptr);
+    const Demand demand = make_discrete_demand(scenario, {}, 300.0, 1, 4, 2000);
+    const Metrics single = run_trial(scenario, parse_chooser("naive"), demand, 2000, {});
+    TEST_ASSERT_EQUAL_DOUBLE(single.mean_delay_s, metrics.mean_delay_s);
+    TEST_ASSERT_EQUAL_DOUBLE(single.vehicles_out, metrics.vehicles_out);
+}
+
+} // namespace
+
+int main() {
+    UNITY_BEGIN();
+    RUN_TEST(test_turns_lead_to_the_neighbour_on_their_side);
+    RUN_TEST(test_a_turn_without_lanes_in_the_tensor_is_a_dead_edge);
+    RUN_TEST(test_a_tensor_that_does_not_fit_the_neighbours_is_named);
+    RUN_TEST(test_a_full_road_blocks_the_junction_before_it);
+    RUN_TEST(test_a_neighbour_announces_what_has_left_it_until_it_comes);
+    RUN_TEST(test_what_is_announced_reaches_the_chooser_and_the_vehicles_stay_the_same);
+    RUN_TEST(test_max_pressure_sees_the_roads_behind);
+    RUN_TEST(test_a_grid_of_one_is_the_single_junction);
+    return UNITY_END();
+}
