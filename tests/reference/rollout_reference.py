@@ -130,7 +130,9 @@ class Rollout:
     def serves_well(self, stage: int, lane: int) -> bool:
         return self.site.serves(stage, lane) and self.sat[stage][lane] >= self.s[lane] / 4
 
-    def decide(self, cur: int, elapsed: int, rows: list[list[float]], share: list[float]) -> tuple[int, dict[int, float]]:
+    def decide(
+        self, cur: int, elapsed: int, rows: list[list[float]], share: list[float]
+    ) -> tuple[int, dict[int, float]]:
         """The stage, and V of each that was tried."""
         lanes = range(len(self.n))
         waiting = [j for j in lanes if self.n[j] > 0.0 and not self.serves_well(cur, j)]
@@ -180,17 +182,25 @@ class Rollout:
     def _flow(self, flow: list[float], lane: int, queue: float) -> float:
         return self.site.by_law(lane, queue) if self.site.law else flow[lane]
 
+    def _open(self, g: int, target: int, left: int, flow: list[float], lane: int, queue: float) -> float:
+        """What a lane lets go in a second, in green, in amber or in red."""
+        if not self.site.serves(g, lane):
+            return 0.0
+        c = self._flow(flow, lane, queue)
+        if target == NEVER:
+            return c
+        if self.site.serves(target, lane):
+            return min(c, self._flow(self.sat[target], lane, queue))
+        return c * min(max(1.0 - (self.site.change[g][target] - left), 0.0), 1.0)
+
     def roll(self, cur: int, elapsed: int, first: int, hold: int, ratio: float) -> float:
         site, lanes, horizon = self.site, range(len(self.n)), self.setting.horizon
         x, g, e, su = list(self.q), cur, elapsed, [0.0] * len(self.n)
         target, left, cost, flow = NEVER, 0, 0.0, self.sx
         for k in range(horizon):
             if target == NEVER:
-                want = g
-                if k == 0:
-                    want = first
-                elif k >= hold:
-                    want = self.base(g, e, ratio, x, flow)
+                later = self.base(g, e, ratio, x, flow) if k >= hold else g
+                want = first if k == 0 else later
                 if want != g:
                     target, left = want, site.change[g][want]
             for lane in lanes:
@@ -199,12 +209,7 @@ class Rollout:
                 su = [0.0 if site.serves(g, j) and site.serves(target, j) else site.startup[j] for j in lanes]
                 g, target, e, flow = target, NEVER, 0, self.sat[target]
             for lane in lanes:
-                c = self._flow(flow, lane, x[lane]) if site.serves(g, lane) else 0.0
-                if target != NEVER:
-                    if site.serves(g, lane) and site.serves(target, lane):
-                        c = min(c, self._flow(self.sat[target], lane, x[lane]))
-                    else:
-                        c *= min(max(1.0 - (site.change[g][target] - left), 0.0), 1.0)
+                c = self._open(g, target, left, flow, lane, x[lane])
                 if su[lane] >= 1.0:
                     su[lane] -= 1.0
                 else:
