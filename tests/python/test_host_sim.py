@@ -398,7 +398,13 @@ def test_help_of_a_command_has_every_option(command: str) -> None:
 def test_list_as_json() -> None:
     listed = json.loads(succeed("list", "--json").stdout)
     assert list(listed) == ["profiles", "choosers", "forecasts", "links"]
-    assert [profile["name"] for profile in listed["profiles"]] == ["paper", "saturation", "figure", "literal", "discrete"]
+    assert [profile["name"] for profile in listed["profiles"]] == [
+        "paper",
+        "saturation",
+        "figure",
+        "literal",
+        "discrete",
+    ]
     assert all(set(profile) == {"name", "what"} and profile["what"] for profile in listed["profiles"])
     for chooser in listed["choosers"]:
         assert list(chooser) == ["name", "what", "rival", "forecasts", "options"]
