@@ -14,7 +14,7 @@
 namespace elmopp {
 
 // Stages: 0 {N.L,S.L} 1 {N.M,N.R,S.M,S.R} 2 {E.L,W.L} 3 {E.M,E.R,W.M,W.R} 4 N 5 E 6 S 7 W.
-enum Lane : std::uint8_t { NL, NM, NR, EL, EM, ER, SL, SM, SR, WL, WM, WR, lane_count };
+enum LaneName : std::uint8_t { NL, NM, NR, EL, EM, ER, SL, SM, SR, WL, WM, WR, lane_count };
 
 /// A junction whose lamps follow the chooser at once.
 class Street {
@@ -60,7 +60,7 @@ class Street {
     }
 
     /// Vehicles that come in this second.
-    void come(Lane lane, float vehicles) {
+    void come(LaneName lane, float vehicles) {
         queue[lane] += vehicles;
         arrivals[lane] += vehicles;
     }
@@ -76,12 +76,12 @@ class Street {
         return 0;
     }
 
-    [[nodiscard]] bool is_going(Lane lane) const {
+    [[nodiscard]] bool is_going(LaneName lane) const {
         return elmopp_mask_has(view_.going, lane);
     }
 
     /// All vehicles of a lane leave.
-    void clear(Lane lane) {
+    void clear(LaneName lane) {
         queue[lane] = 0.0F;
     }
 

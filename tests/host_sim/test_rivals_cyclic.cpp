@@ -28,9 +28,9 @@ struct Flow {
     double veh_per_s[4];
 
     void second(Street &street) const {
-        static const std::vector<Lane> lanes[4] = {{NL, SL}, {NM, NR, SM, SR}, {EL, WL}, {EM, ER, WM, WR}};
+        static const std::vector<LaneName> lanes[4] = {{NL, SL}, {NM, NR, SM, SR}, {EL, WL}, {EM, ER, WM, WR}};
         for (std::size_t i = 0; i < 4; ++i) {
-            for (const Lane lane : lanes[i]) {
+            for (const LaneName lane : lanes[i]) {
                 street.queue[lane] -= street.is_going(lane) ? std::min(0.5F, street.queue[lane]) : 0.0F;
                 street.come(lane, static_cast<float>(veh_per_s[i]));
             }

@@ -142,7 +142,7 @@ void test_max_wave_counts_who_is_on_his_way() {
     TEST_ASSERT_EQUAL_FLOAT(9.0F, street.score[2]);
 }
 
-elmopp_stage_t held_or_left(float own, float other, Lane first, Lane second) {
+elmopp_stage_t held_or_left(float own, float other, LaneName first, LaneName second) {
     MaxWaveHold rule{5, 4.0, 1.0};
     Street street(plug(rule));
     street.queue[EL] = 10.0F;

@@ -318,7 +318,7 @@ void test_self_control_clears_its_queue_and_leaves() {
 void test_self_control_serves_somebody_who_is_late_before_all_others() {
     SelfControl rule{5, 60, 90};
     Street street(plug(rule));
-    for (const Lane lane : {EM, ER, WM, WR}) {
+    for (const LaneName lane : {EM, ER, WM, WR}) {
         street.queue[lane] = 50.0F;
     }
     TEST_ASSERT_EQUAL_UINT(3, street.second());

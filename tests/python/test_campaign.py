@@ -35,7 +35,7 @@ def made(tmp_path: Path) -> Path:
     """A campaign of eight short runs."""
     net, routes = cross(tmp_path), traffic(tmp_path, end_s=30)
     for name in ("early", "late"):
-        (tmp_path / f"{name}.sumocfg").write_text(
+        (tmp_path / f"{name}.hour.sumocfg").write_text(
             f'<configuration><input><net-file value="{net}"/><route-files value="{routes}"/></input>'
             f'<time><end value="{30 if name == "early" else 40}"/></time></configuration>'
         )

@@ -22,6 +22,7 @@ from typing import Self
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(os.environ["ELMOPP_PROGRAMS"])
 SITE = os.environ["ELMOPP_QUICK_SITE"]
+LOCKSTEP_SITES = os.environ.get("ELMOPP_LOCKSTEP_SITES", SITE).split(":")
 SLICE_MS = Path("/proc/sys/kernel/sched_rr_timeslice_ms")
 OUT = Path(os.environ["ELMOPP_SOCKETCAN_OUT"])
 
@@ -208,9 +209,9 @@ class Program:
         self.stop()
 
 
-def controller(name: str, *words: str) -> Program:
-    """elmopp-controller with the quick site."""
-    return Program("elmopp-controller", "--can", name, "--site", SITE, *words)
+def controller(name: str, *words: str, site: str = SITE) -> Program:
+    """elmopp-controller with the quick site, or another."""
+    return Program("elmopp-controller", "--can", name, "--site", site, *words)
 
 
 def lamp_node(name: str, *words: str) -> Program:

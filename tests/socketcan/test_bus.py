@@ -23,6 +23,7 @@ from bus import (
     CONFIRM,
     LAMP_COMMAND,
     LAMP_FEEDBACK,
+    LOCKSTEP_SITES,
     OUT,
     PREPARE,
     PROGRAMS,
@@ -120,12 +121,13 @@ def street() -> Iterator[subprocess.Popen[str]]:
 # --- in lockstep ---
 
 
-def test_the_log_over_the_bus_is_the_log_in_process_byte_for_byte() -> None:
-    run = ["run", "--site", SITE, "--seconds", "60", "--vehicles", "500"]
+@pytest.mark.parametrize("site", LOCKSTEP_SITES, ids=lambda site: Path(site).stem)
+def test_the_log_over_the_bus_is_the_log_in_process_byte_for_byte(site: str) -> None:
+    run = ["run", "--site", site, "--seconds", "60", "--vehicles", "500"]
     inproc, wire = OUT / "inproc.jsonl", OUT / "wire.jsonl"
     done = host_sim(*run, "--link", "inproc", "--log", str(inproc), "--summary", str(OUT / "inproc.json"))
     assert done.returncode == 0, done.stderr
-    with interface("lock0") as name, controller(name, "--clock", "bus"):
+    with interface("lock0") as name, controller(name, "--clock", "bus", site=site):
         time.sleep(1.0)
         done = host_sim(*run, "--link", f"can:{name}", "--log", str(wire), "--summary", str(OUT / "wire.json"))
         assert done.returncode == 0, done.stderr

@@ -23,7 +23,7 @@ from pathlib import Path
 from elmopp_tools import sumo_compare
 from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, write
 from elmopp_tools.seeds import seeds_of
-from elmopp_tools.sumo_report import COLUMNS, table
+from elmopp_tools.sumo_report import COLUMNS, scenario_name, table
 
 EXIT_FAILED = 1
 ROOT = Path(__file__).resolve().parents[2]
@@ -144,7 +144,7 @@ def _make(options: argparse.Namespace) -> None:
 
 def _lines(options: argparse.Namespace) -> Iterator[Line]:
     for configuration in _configurations(options.scenarios):
-        scenario = configuration.name.split(".")[0]
+        scenario = scenario_name(configuration)
         for chooser in options.choosers.split(","):
             for seed in options.seeds:
                 label = chooser.replace(":", "+").replace("=", "-")

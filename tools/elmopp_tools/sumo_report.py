@@ -28,6 +28,11 @@ COLUMNS = (
 )  # fmt: skip
 
 
+def scenario_name(file: Path) -> str:
+    """What stands in the column `scenario`: the name of the configuration, or of the network, up to its first dot."""
+    return file.name.split(".")[0]
+
+
 @dataclass(frozen=True)
 class Trips:
     """Sums over all vehicles that entered."""

@@ -9,6 +9,8 @@ from xml.etree import ElementTree
 
 import sumolib
 
+from elmopp_tools.sumo_report import scenario_name
+
 
 class ScenarioError(Exception):
     """Why a scenario cannot be run, with the value, and what would be right."""
@@ -56,7 +58,7 @@ def scenario_of(
         scenario = _of_configuration(configuration, begin_s, end_s)
     else:
         assert net is not None and routes is not None  # noqa: S101  the first check says so
-        scenario = Scenario(_stem(net), None, net, tuple(map(Path, routes.split(","))), (), begin_s, end_s)
+        scenario = Scenario(scenario_name(net), None, net, tuple(map(Path, routes.split(","))), (), begin_s, end_s)
     for file in (scenario.net, *scenario.routes, *scenario.additional):
         if not file.is_file():
             raise ScenarioError(f"{file} is missing ; a file that {configuration or 'the command line'} may name")
@@ -106,7 +108,7 @@ def _of_configuration(file: Path, begin_s: float | None, end_s: float | None) ->
 
     end = second(end_s, "end")
     return Scenario(
-        name=_stem(file),
+        name=scenario_name(file),
         configuration=file,
         net=files("net-file", "n")[0],
         routes=files("route-files", "r"),
@@ -114,7 +116,3 @@ def _of_configuration(file: Path, begin_s: float | None, end_s: float | None) ->
         begin_s=second(begin_s, "begin"),
         end_s=None if end is not None and end < 0.0 else end,
     )
-
-
-def _stem(file: Path) -> str:
-    return file.name.split(".")[0]
