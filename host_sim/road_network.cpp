@@ -82,6 +82,10 @@ std::optional<ArmId> next_arm(const NetworkText &text, const std::vector<Scenari
         return std::nullopt;
     }
     const auto side = side_towards(text.nodes[*to], text.nodes[from].name);
+    if (!side) {
+        throw BadRequest(place(text, from, *to) +
+                         ": only one names the other; right would be that each names the other");
+    }
     const auto approach = approach_of(scenarios[*to].junction, *side);
     if (!approach) {
         throw BadRequest(place(text, from, *to) + ": site " + text.nodes[*to].site + " has no approach from " +
@@ -111,8 +115,8 @@ ArmPlan make_arm(const NetworkText &text, std::vector<Scenario> &scenarios, std:
     if (!side) {
         throw BadRequest(where + ": comes from no side; right would be a site whose approaches are N, E, S or W");
     }
-    ArmPlan arm{scenario.street->length_m, scenario.street->speed_m_per_s,
-                ways_of(scenario.junction, approach, scenario.share), true};
+    const Surroundings &street = scenario.surroundings();
+    ArmPlan arm{street.length_m, street.speed_m_per_s, ways_of(scenario.junction, approach, scenario.share), true};
     std::vector<Turn> turns;
     for (std::size_t j = 0; j < scenario.junction.movement_count; ++j) {
         if (scenario.junction.movement[j].approach == approach) {

@@ -29,11 +29,12 @@ Demand demand_of(const Network &network, std::size_t v, const NetworkCell &cell,
     const std::size_t approaches = scenario.junction.approach_count;
     const double mean_veh_per_s = static_cast<double>(cell.vehicles) / static_cast<double>(simulated_points);
     const std::uint64_t stream = cell.trial + (static_cast<std::uint64_t>(v) << trial_bits);
+    const Surroundings &street = scenario.surroundings();
     Series unit;
-    if (scenario.street->demand == "hyperchaos") {
+    if (street.demand == "hyperchaos") {
         unit = unit_inflow(draw_trajectory(Integrator::rk4, seed, stream, approaches), Mapping::abs, approaches);
     }
-    Series rate = rates(scenario.street->demand, unit, approaches, mean_veh_per_s, seed, stream);
+    Series rate = rates(street.demand, unit, approaches, mean_veh_per_s, seed, stream);
     for (std::size_t i = 0; i < approaches; ++i) {
         if (!network.plan[v].arms[i].from_outside) {
             rate[i].assign(rate[i].size(), 0.0);

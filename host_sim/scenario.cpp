@@ -13,6 +13,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <stdexcept>
 
 namespace elmopp {
 namespace {
@@ -115,7 +116,7 @@ Options options_of(const std::vector<std::string> &words) {
 }
 
 void apply(const Options &options, Scenario &scenario) {
-    Surroundings &street = *scenario.street;
+    Surroundings street = scenario.surroundings();
     const auto reach_m = static_cast<double>(scenario.junction.reach_m);
     if (const auto found = options.find("demand"); found != options.end()) {
         (void)rates(found->second, Series(1, std::vector<double>(1)), 1, 0.0, 0, 0); // refuses what is unknown
@@ -127,6 +128,7 @@ void apply(const Options &options, Scenario &scenario) {
     if (const auto found = options.find("length"); found != options.end()) {
         street.length_m = number_of("length", found->second, reach_m + shortest_road_m, longest_arm_m);
     }
+    scenario.street = street;
 }
 
 } // namespace
@@ -160,6 +162,13 @@ const Profile &find_profile(const std::string &name) {
 
 std::vector<std::string> Scenario::approach_names() const {
     return {&junction.approach_name[0], &junction.approach_name[junction.approach_count]};
+}
+
+const Surroundings &Scenario::surroundings() const {
+    if (!street) {
+        throw std::logic_error("a fluid has no street");
+    }
+    return *street;
 }
 
 Setting Scenario::setting() const {

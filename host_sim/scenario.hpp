@@ -60,6 +60,8 @@ struct Scenario {
     /// What a chooser is told. The fluid reaches the queue as soon as it is counted, a vehicle after its drive through
     /// the reach. Valid as long as the scenario.
     [[nodiscard]] Setting setting() const;
+    /// `street` of a scenario that has one. Throws std::logic_error if it has none: a caller's mistake.
+    [[nodiscard]] const Surroundings &surroundings() const;
 };
 
 /// `site` null: the paper's own. `split`: shares of an approach's movements in site order, empty for equal ones.

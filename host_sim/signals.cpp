@@ -16,7 +16,7 @@ void Signals::show(const elmopp_lamps_t &lamps) {
         green_ = lamps.green;
         going_ = elmopp_junction_served(&junction_, green_);
     }
-    const auto lit = static_cast<std::uint16_t>((lamps.green | lamps.amber) & ~lamps.red);
+    const auto lit = static_cast<std::uint16_t>((std::uint32_t{lamps.green} | lamps.amber) & ~std::uint32_t{lamps.red});
     const std::uint32_t not_red = elmopp_junction_served(&junction_, lit);
     const std::uint32_t before = open_;
     open_ = going_;

@@ -360,14 +360,15 @@ std::vector<float> Streets::downstream_veh(std::size_t junction) const {
             if (!way.to) {
                 continue;
             }
-            const Junction &there = junctions_[way.to->junction];
+            const ArmId to = *way.to;
+            const Junction &there = junctions_[to.junction];
             std::size_t count = 0;
-            for (const auto &lane : there.arms[way.to->approach].road) {
+            for (const auto &lane : there.arms[to.approach].road) {
                 count += lane.vehicles().size();
             }
             for (std::size_t j = 0; j < there.lanes.size(); ++j) {
                 for (const auto &lane : there.lanes[j]) {
-                    count += there.site->movement[j].approach == way.to->approach ? lane.vehicles().size() : 0U;
+                    count += there.site->movement[j].approach == to.approach ? lane.vehicles().size() : 0U;
                 }
             }
             sum[way.movement] += way.share * static_cast<double>(count);

@@ -126,7 +126,7 @@ Demand make_discrete_demand(const Scenario &scenario, const Series &unit, double
                             std::uint64_t seed, std::uint64_t trial, std::size_t seconds) {
     const double mean_veh_per_s = vehicles_per_approach / static_cast<double>(simulated_points);
     const Series rate =
-        rates(scenario.street->demand, unit, scenario.junction.approach_count, mean_veh_per_s, seed, trial);
+        rates(scenario.surroundings().demand, unit, scenario.junction.approach_count, mean_veh_per_s, seed, trial);
     const Comings comings = draw_comings(rate, seed, trial);
     const Series counts = counted(comings);
     std::vector<elmopp_ar8_t> ar8;

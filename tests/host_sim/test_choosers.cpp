@@ -27,9 +27,9 @@ extern "C" void tearDown(void) {}
 
 namespace {
 
-const std::string all_choosers =
-    "naive, cumulative, pressure, priced, rollout, itlc, oaf, fixed, webster, actuated, max-pressure, longest-queue, max-wave, "
-    "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
+const std::string all_choosers = "naive, cumulative, pressure, priced, rollout, itlc, oaf, fixed, webster, actuated, "
+                                 "max-pressure, longest-queue, max-wave, "
+                                 "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
 const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, oracle";
 
 std::unique_ptr<Plugged> made(const std::string &text, const std::string &profile = "paper") {
@@ -292,13 +292,13 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
     const auto found = texts(parse_choosers("all"));
     const std::set<std::string> unique(found.begin(), found.end());
     const std::set<std::string> expected{
-        "naive:none",        "cumulative:none",    "cumulative:mean",  "cumulative:ewma",    "cumulative:persistence",
-        "cumulative:ar8",    "cumulative:lstm",    "cumulative:nlstm", "cumulative:oracle",  "pressure:none",
-        "itlc:none",         "oaf:none",           "fixed:none",       "webster:none",       "actuated:none",
-        "max-pressure:none", "longest-queue:none", "max-wave:none",    "max-wave-hold:none", "elmopp-hold:none",
-        "itlc-rounds:none",  "scats:none",         "scoot:none",       "surtrac:none",       "self-control:none",
-        "random:none",       "priced:none",       "rollout:none",       "rollout:mean",     "rollout:ewma",       "rollout:persistence",
-        "rollout:ar8",       "rollout:lstm",       "rollout:nlstm",    "rollout:oracle"};
+        "naive:none",          "cumulative:none",    "cumulative:mean",  "cumulative:ewma",    "cumulative:persistence",
+        "cumulative:ar8",      "cumulative:lstm",    "cumulative:nlstm", "cumulative:oracle",  "pressure:none",
+        "itlc:none",           "oaf:none",           "fixed:none",       "webster:none",       "actuated:none",
+        "max-pressure:none",   "longest-queue:none", "max-wave:none",    "max-wave-hold:none", "elmopp-hold:none",
+        "itlc-rounds:none",    "scats:none",         "scoot:none",       "surtrac:none",       "self-control:none",
+        "random:none",         "priced:none",        "rollout:none",     "rollout:mean",       "rollout:ewma",
+        "rollout:persistence", "rollout:ar8",        "rollout:lstm",     "rollout:nlstm",      "rollout:oracle"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());
@@ -341,7 +341,8 @@ void test_kinds_say_what_there_is() {
         TEST_ASSERT_FALSE(kind.what.empty());
         const bool forecasts = kind.name == "cumulative" || kind.name == "rollout";
         TEST_ASSERT_EQUAL(forecasts, kind.forecasts);
-        TEST_ASSERT_EQUAL(!forecasts && kind.name != "naive" && kind.name != "pressure" && kind.name != "priced", kind.rival);
+        TEST_ASSERT_EQUAL(!forecasts && kind.name != "naive" && kind.name != "pressure" && kind.name != "priced",
+                          kind.rival);
     }
     TEST_ASSERT_EQUAL_STRING(all_choosers.c_str(), names.c_str());
 }
