@@ -33,6 +33,8 @@ CROSS = Programme(
 )
 N, LEFT, E = 0, 1, 2
 
+LENGTH_M = 5.0
+
 
 class Sumo:
     """What a street looks like, and what was shown there."""
@@ -40,6 +42,7 @@ class Sumo:
     def __init__(self) -> None:
         self.lanes: dict[str, dict[str, float]] = {}
         self.people: dict[str, dict[str, str]] = {}
+        self.speed_m_per_s: dict[str, float] = {}
         self.state = "rrr"
         self.shown: list[str] = []
 
@@ -54,7 +57,9 @@ class Sumo:
         places = lambda vehicle: next(lane[vehicle] for lane in self.lanes.values() if vehicle in lane)  # noqa: E731
         goals = lambda person: next(edge[person] for edge in self.people.values() if person in edge)  # noqa: E731
         made.lane = SimpleNamespace(getLastStepVehicleIDs=lambda lane: tuple(self.lanes.get(lane, ())))
-        made.vehicle = SimpleNamespace(getLanePosition=places)
+        made.vehicle = SimpleNamespace(
+            getLanePosition=places, getSpeed=lambda v: self.speed_m_per_s[v], getLength=lambda _: LENGTH_M
+        )
         made.edge = SimpleNamespace(getLastStepPersonIDs=lambda edge: tuple(self.people.get(edge, ())))
         made.person = SimpleNamespace(getNextEdge=goals)
         made.trafficlight = SimpleNamespace(
@@ -83,9 +88,13 @@ def signal() -> Signal:
     return found
 
 
-def sight(*views: tuple[str, float, tuple[tuple[int, float], ...]], downstream: Sequence[Sequence[str]] = ()) -> Any:
+def sight(
+    *views: tuple[str, float, tuple[tuple[int, float], ...]],
+    downstream: Sequence[Sequence[str]] = (),
+    inside: tuple[str, ...] = (),
+) -> Any:
     ways_on = tuple(tuple(lanes) for lanes in downstream or [[] for _ in range(3)])
-    return sumo_network.Sight(tuple(sumo_network.View(*view) for view in views), (), ways_on)
+    return sumo_network.Sight(tuple(sumo_network.View(*view) for view in views), (), ways_on, inside)
 
 
 # --- cameras ---
@@ -118,11 +127,31 @@ def test_who_may_go_either_way_counts_in_parts(drive: Any, sumo: Sumo, signal: S
 
 def test_people_count_who_wait_for_this_crossing(drive: Any, sumo: Sumo, signal: Signal) -> None:
     crossing = sumo_network.Crossing(":w", ":c", E)
-    camera = drive.Camera(signal, sumo_network.Sight((), (crossing,), ((), (), ())))
+    camera = drive.Camera(signal, sumo_network.Sight((), (crossing,), ((), (), ()), ()))
     sumo.people = {":w": {"p": ":c", "q": ":other"}}
     for arrived_veh in (1.0, 0.0):
         camera.count()
         assert (camera.present_veh, camera.arrived_veh) == ([0.0, 0.0, 1.0], [0.0, 0.0, arrived_veh])
+
+
+@pytest.mark.parametrize(
+    ("lanes", "speed_m_per_s", "occupied"),
+    [
+        ({}, 0.0, False),
+        ({":J_0": {"a": 3.0}}, 0.9, True),
+        ({":J_0": {"a": 3.0}}, 1.1, False),  # drives on
+        ({":J_1": {"a": 3.0}}, 0.0, True),
+        ({"N_0": {"a": 99.0}}, 0.0, False),  # before the stop line
+        ({"X_0": {"a": LENGTH_M - 0.1}}, 0.0, True),  # its tail is still inside
+        ({"X_0": {"a": LENGTH_M + 0.1}}, 0.0, False),
+    ],
+)
+def test_who_stands_across_the_junction_is_seen(
+    drive: Any, sumo: Sumo, lanes: dict[str, dict[str, float]], speed_m_per_s: float, occupied: bool
+) -> None:
+    seen = sight(("N_0", 0.0, ((N, 1.0),)), downstream=[["X_0"], [], []], inside=(":J_0", ":J_1"))
+    sumo.lanes, sumo.speed_m_per_s = lanes, {"a": speed_m_per_s}
+    assert drive.JunctionCamera(seen).is_occupied() is occupied
 
 
 # --- a signal that is controlled ---
@@ -242,11 +271,26 @@ def test_a_switch_is_another_stage_than_the_last(drive: Any, sumo: Sumo, signal:
 class Noted:
     """A driver who notes what he is told."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, waits: bool = False) -> None:
+        self.waits = waits
         self.told: list[tuple[list[float], list[float], list[float]]] = []
+        self.occupied: list[bool] = []
 
-    def drive(self, present_veh: list[float], arrived_veh: list[float], downstream_veh: list[float]) -> None:
+    def drive(
+        self, present_veh: list[float], arrived_veh: list[float], downstream_veh: list[float], *, occupied: bool
+    ) -> None:
         self.told.append((list(present_veh), list(arrived_veh), list(downstream_veh)))
+        self.occupied.append(occupied)
+
+
+def test_only_who_waits_for_it_is_told_of_an_occupied_junction(drive: Any, sumo: Sumo, signal: Signal) -> None:
+    drivers = [Noted(), Noted(waits=True)]
+    street = drive.Street([signal, signal], [sight(inside=(":J_0",)), sight(inside=(":J_0",))], drivers)
+    sumo.lanes, sumo.speed_m_per_s = {":J_0": {"a": 1.0}}, {"a": 0.0}
+    street.second()
+    sumo.lanes = {}
+    street.second()
+    assert [driver.occupied for driver in drivers] == [[False, False], [True, False]]
 
 
 def test_everybody_decides_with_the_counts_of_this_second(drive: Any, sumo: Sumo, signal: Signal) -> None:
