@@ -73,7 +73,8 @@ elmopp_plan_group_t elmopp_plan_start(const elmopp_junction_t *junction,
 }
 
 elmopp_plan_group_t elmopp_plan_hold(elmopp_plan_group_t ended, elmopp_plan_group_t started, bool held) {
-    return (held && (ended.aspect == ELMOPP_ASPECT_RED)) ? ended : started;
+    const bool stays = held && (ended.aspect == ELMOPP_ASPECT_RED);
+    return stays ? ended : started;
 }
 
 elmopp_plan_group_t elmopp_plan_older(elmopp_plan_group_t started, bool contested) {
