@@ -21,6 +21,8 @@
 #ifndef DECISIONS /* fewer on the emulated board */
 #define DECISIONS 20000U
 #define RANDOM_JUNCTIONS 60U
+#endif
+#ifndef OCCUPIED_DECISIONS
 #define OCCUPIED_DECISIONS 2000U
 #endif
 #define DECISIONS_OF_ALL 1000000U
