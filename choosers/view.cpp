@@ -121,31 +121,14 @@ unsigned min_green_s(const elmopp_junction_t &junction, elmopp_stage_t stage) {
 }
 
 double change_s(const elmopp_junction_t &junction, elmopp_stage_t from, elmopp_stage_t to) {
-    if (from >= junction.stage_count) {
-        return 0.0;
-    }
-    if (to < junction.stage_count) {
-        return elmopp_junction_clearing_ds(&junction, from, to) / ds_per_s;
-    }
-    // A plan may end all and start nobody yet.
-    unsigned longest_ds = 0;
-    for (std::uint32_t g = 0; g < junction.group_count; ++g) {
-        if (elmopp_mask_has(groups_of(junction, from), g)) {
-            longest_ds = std::max<unsigned>(longest_ds, junction.group[g].amber_ds);
-        }
-    }
-    return longest_ds / ds_per_s;
+    const bool starts = from >= junction.stage_count;
+    return starts
+               ? 0.0
+               : elmopp_junction_clearing_ds(&junction, groups_of(junction, from), groups_of(junction, to)) / ds_per_s;
 }
 
 double new_startup_s(const elmopp_junction_t &junction, elmopp_stage_t from, elmopp_stage_t to) {
-    const std::uint32_t starting = served_by(junction, to) & ~served_by(junction, from);
-    double longest_s = 0.0;
-    for (std::uint32_t j = 0; j < junction.movement_count; ++j) {
-        if (elmopp_mask_has(starting, j)) {
-            longest_s = std::max(longest_s, startup_s(junction, j));
-        }
-    }
-    return longest_s;
+    return elmopp_junction_starting_ds(&junction, groups_of(junction, from), groups_of(junction, to)) / ds_per_s;
 }
 
 double switch_s(const elmopp_junction_t &junction, elmopp_stage_t from, elmopp_stage_t to) {

@@ -108,29 +108,26 @@ static uint32_t ending_ds(const elmopp_junction_t *junction, uint32_t group, uin
     return longest_ds;
 }
 
-uint32_t elmopp_junction_clearing_ds(const elmopp_junction_t *junction, uint32_t from, uint32_t to) {
-    ELMOPP_ASSERT((from < junction->stage_count) && (to < junction->stage_count));
-    const uint32_t before = junction->stage_groups[from];
-    const uint32_t after = junction->stage_groups[to];
+uint32_t elmopp_junction_clearing_ds(const elmopp_junction_t *junction, uint16_t before, uint16_t after) {
+    const uint32_t ending = (uint32_t)before & ~(uint32_t)after;
+    const uint32_t starting = (uint32_t)after & ~(uint32_t)before;
     uint32_t longest_ds = 0U;
     for (uint32_t g = 0U; g < junction->group_count; g++) {
-        if (elmopp_mask_has(before & ~after, g)) {
-            longest_ds = longer(longest_ds, ending_ds(junction, g, after & ~before));
+        if (elmopp_mask_has(ending, g)) {
+            longest_ds = longer(longest_ds, ending_ds(junction, g, starting));
         }
-        if (elmopp_mask_has(after & ~before, g)) {
+        if (elmopp_mask_has(starting, g)) {
             longest_ds = longer(longest_ds, junction->group[g].red_amber_ds);
         }
     }
     return longest_ds;
 }
 
-uint32_t elmopp_junction_starting_ds(const elmopp_junction_t *junction, uint32_t from, uint32_t to) {
-    ELMOPP_ASSERT((from < junction->stage_count) && (to < junction->stage_count));
-    const uint32_t before = elmopp_junction_served(junction, junction->stage_groups[from]);
-    const uint32_t after = elmopp_junction_served(junction, junction->stage_groups[to]);
+uint32_t elmopp_junction_starting_ds(const elmopp_junction_t *junction, uint16_t before, uint16_t after) {
+    const uint32_t starting = elmopp_junction_served(junction, after) & ~elmopp_junction_served(junction, before);
     uint32_t longest_ds = 0U;
     for (uint32_t j = 0U; j < junction->movement_count; j++) {
-        if (elmopp_mask_has(after & ~before, j)) {
+        if (elmopp_mask_has(starting, j)) {
             longest_ds = longer(longest_ds, junction->movement[j].startup_ds);
         }
     }

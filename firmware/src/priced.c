@@ -34,8 +34,10 @@ static uint32_t driven_ds(const elmopp_junction_t *junction, uint32_t from, uint
 }
 
 static float price_s(const elmopp_junction_t *junction, uint32_t from, uint32_t to) {
+    const uint16_t before = junction->stage_groups[from];
+    const uint16_t after = junction->stage_groups[to];
     const uint32_t lost_ds =
-        elmopp_junction_clearing_ds(junction, from, to) + elmopp_junction_starting_ds(junction, from, to);
+        elmopp_junction_clearing_ds(junction, before, after) + elmopp_junction_starting_ds(junction, before, after);
     const uint32_t price_ds = lost_ds - shorter(driven_ds(junction, from, to), lost_ds);
     return (float)price_ds / DS_PER_S;
 }

@@ -51,7 +51,8 @@ static float startup_s(const elmopp_junction_t *junction, uint32_t movement) {
 
 /* The model moves by whole seconds; a change that ends within one has ended at its end. */
 static void price_change(elmopp_rollout_t *self, uint32_t from, uint32_t to) {
-    const uint32_t clearing_ds = elmopp_junction_clearing_ds(self->junction, from, to);
+    const uint16_t *groups = self->junction->stage_groups;
+    const uint32_t clearing_ds = elmopp_junction_clearing_ds(self->junction, groups[from], groups[to]);
     const uint32_t whole_s = (clearing_ds + ELMOPP_LAMP_TICKS_PER_S - 1U) / ELMOPP_LAMP_TICKS_PER_S;
     self->change_s[from][to] = (uint16_t)whole_s;
 }

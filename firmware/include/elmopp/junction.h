@@ -179,12 +179,13 @@ bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, 
 /// second. The bound on red is worked out with it.
 uint32_t elmopp_junction_change_ds(const elmopp_junction_t *junction);
 
-/// From the end of one stage's green to the beginning of another one's: the longest of the ambers and intergreens of
-/// the groups that end and of the red-ambers of those that start. 0 if it is the same stage. Tenths of a second.
-uint32_t elmopp_junction_clearing_ds(const elmopp_junction_t *junction, uint32_t from, uint32_t to);
+/// From the end of the green of one set of groups to the beginning of another one's: the longest of the ambers and
+/// intergreens of the groups that end and of the red-ambers of those that start. 0 if they are the same. Tenths of a
+/// second.
+uint32_t elmopp_junction_clearing_ds(const elmopp_junction_t *junction, uint16_t before, uint16_t after);
 
-/// The longest start-up of the movements that go in `to` and not in `from`. Tenths of a second.
-uint32_t elmopp_junction_starting_ds(const elmopp_junction_t *junction, uint32_t from, uint32_t to);
+/// The longest start-up of the movements that go with `after` and not with `before`. Tenths of a second.
+uint32_t elmopp_junction_starting_ds(const elmopp_junction_t *junction, uint16_t before, uint16_t after);
 
 /// Mask of the movements that go when exactly these signal groups are green.
 uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t groups);
