@@ -5,6 +5,7 @@
 
 #include "elmopp/age.h"
 #include "elmopp/assert.h"
+#include "elmopp/elementary.h"
 
 #include <stddef.h>
 
@@ -54,18 +55,6 @@ static void price_changes(elmopp_priced_t *self, const elmopp_junction_t *juncti
 
 /* --- rates of urgency --- */
 
-static float min_of(float one, float other) {
-    return (one < other) ? one : other;
-}
-
-static float max_of(float value, float bound) {
-    return (value > bound) ? value : bound;
-}
-
-static float clamped(float value, float low, float high) {
-    return max_of(min_of(value, high), low);
-}
-
 /* Urgency that leaves in so many seconds of green. */
 static float leaving(const side_t *side, float seconds) {
     float sum = 0.0F;
@@ -73,7 +62,7 @@ static float leaving(const side_t *side, float seconds) {
         if (elmopp_mask_has(side->movements, j)) {
             const float queue_veh = side->view->queue_veh[j];
             const float flow = elmopp_junction_discharge(side->view->junction, j, queue_veh);
-            sum += side->weight[j] * min_of(queue_veh, flow * seconds);
+            sum += side->weight[j] * elmopp_lesser(queue_veh, flow * seconds);
         }
     }
     return sum;
@@ -90,9 +79,9 @@ static float best_rate(const side_t *side, float lost_s, float least_s, float mo
             if (queue_veh < (most_s * flow)) { /* and so flow is not 0 */
                 needed_s = queue_veh / flow;
             }
-            const float green_s = clamped(needed_s, least_s, most_s);
+            const float green_s = elmopp_within(needed_s, least_s, most_s);
             const float rate = leaving(side, green_s) / (lost_s + green_s);
-            best = (rate > best) ? rate : best;
+            best = elmopp_greater(rate, best);
         }
     }
     return best;
@@ -132,7 +121,7 @@ static float lead_of(const elmopp_priced_t *self, const side_t *other, uint32_t 
     const uint32_t shown = other->view->stage;
     const side_t own = {other->view, other->weight, self->serves[shown] & ~self->serves[stage]};
     const float price = ELMOPP_PRICED_CHANGES * self->price_s[shown][stage];
-    const float longest_s = max_of((float)self->max_s, ELMOPP_PRICED_WINDOW_S);
+    const float longest_s = elmopp_greater((float)self->max_s, ELMOPP_PRICED_WINDOW_S);
     return best_rate(other, price, (float)self->min_s, (float)self->max_s) -
            best_rate(&own, 0.0F, ELMOPP_PRICED_WINDOW_S, longest_s);
 }

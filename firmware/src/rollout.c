@@ -4,6 +4,7 @@
 #include "elmopp/rollout.h"
 
 #include "elmopp/assert.h"
+#include "elmopp/elementary.h"
 
 #include <stddef.h>
 
@@ -33,14 +34,6 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                                       .mean_weight = 0.5F,
                                       .blocked_share = 0.5F,
                                       .yellow_used_s = 1.0F};
-}
-
-static float lesser(float one, float other) {
-    return (one < other) ? one : other;
-}
-
-static float no_less(float value, float bound) {
-    return (value > bound) ? value : bound;
 }
 
 /* --- the junction, once --- */
@@ -88,7 +81,7 @@ static float foreseen(const elmopp_rollout_t *self, const elmopp_view_t *view, u
         return self->expected_veh_per_s[movement];
     }
     const float said_veh = view->foreseen_veh[self->junction->movement[movement].approach][row];
-    const float came_veh = (said_veh > 0.0F) ? lesser(said_veh, ROW_MAX_VEH) : 0.0F; /* a NaN is nobody */
+    const float came_veh = (said_veh > 0.0F) ? elmopp_lesser(said_veh, ROW_MAX_VEH) : 0.0F; /* a NaN is nobody */
     return self->options.row_weight * view->share[movement] * came_veh;
 }
 
@@ -105,8 +98,8 @@ static void sum_arrivals(elmopp_rollout_t *self, const elmopp_view_t *view, uint
             came_veh = sight->due_veh[movement][k];
         } else {
             came_veh = foreseen(self, view, movement, k);
-            const float room_veh = no_less(sight->site_veh_per_s[movement] - came_veh, 0.0F);
-            const float shown_veh = lesser(room_veh, hidden_veh);
+            const float room_veh = elmopp_greater(sight->site_veh_per_s[movement] - came_veh, 0.0F);
+            const float shown_veh = elmopp_lesser(room_veh, hidden_veh);
             hidden_veh -= shown_veh;
             came_veh += shown_veh;
         }
@@ -141,7 +134,7 @@ static float flow_of(const elmopp_rollout_t *self, const float *flow_veh_per_s, 
 
 /* Queue of a movement before second `step` of the future. */
 static float standing(const elmopp_rollout_t *self, uint32_t step, uint32_t movement) {
-    return no_less(self->arrived_veh[step][movement] - self->future.left_veh[movement], 0.0F);
+    return elmopp_greater(self->arrived_veh[step][movement] - self->future.left_veh[movement], 0.0F);
 }
 
 /* Queue times flow, summed over a stage. */
@@ -149,7 +142,7 @@ static float pressure_of(const elmopp_rollout_t *self, uint32_t stage, const flo
     float sum = 0.0F;
     for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
         const uint32_t j = self->served[stage][i];
-        sum += queue_veh[j] * lesser(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
+        sum += queue_veh[j] * elmopp_lesser(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
     }
     return sum;
 }
@@ -218,7 +211,7 @@ static float open_flow(const elmopp_rollout_t *self, uint32_t movement, float qu
     if (future->target != ELMOPP_STAGE_NONE) {
         const bool stays = elmopp_mask_has(self->sight.serves[future->target], movement);
         const float *next = self->sight.flow_veh_per_s[future->target];
-        flow = stays ? lesser(flow, flow_of(self, next, movement, queue_veh)) : (flow * amber_share);
+        flow = stays ? elmopp_lesser(flow, flow_of(self, next, movement, queue_veh)) : (flow * amber_share);
     }
     return flow;
 }
@@ -228,7 +221,7 @@ static void let_go(elmopp_rollout_t *self, uint32_t step) {
     elmopp_rollout_future_t *future = &self->future;
     const uint32_t since_s = future->change_s - future->remaining_s;
     const float changing_s = (float)since_s;
-    const float amber_share = lesser(no_less(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
+    const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
     for (uint32_t i = 0U; i < self->served_count[future->shown]; i++) {
         const uint32_t j = self->served[future->shown][i];
         const float lost_s = future->startup_s[j];
@@ -237,7 +230,7 @@ static void let_go(elmopp_rollout_t *self, uint32_t step) {
         } else {
             const float queue_veh = standing(self, step + 1U, j);
             const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
-            const float leaving_veh = lesser(flow, queue_veh);
+            const float leaving_veh = elmopp_lesser(flow, queue_veh);
             future->startup_s[j] = 0.0F;
             future->left_veh[j] += leaving_veh;
             future->left_sum_veh += leaving_veh;
@@ -272,7 +265,7 @@ static float cost_of(elmopp_rollout_t *self, const elmopp_view_t *view, const ac
     float cost = 0.0F;
     for (uint32_t k = 0U; k < horizon_s; k++) {
         play_second(self, action, k);
-        const float queues_veh = no_less(self->arrived_sum_veh[k + 1U] - self->future.left_sum_veh, 0.0F);
+        const float queues_veh = elmopp_greater(self->arrived_sum_veh[k + 1U] - self->future.left_sum_veh, 0.0F);
         const float weight = self->options.taper ? (1.0F - ((float)k / (float)horizon_s)) : 1.0F;
         cost += weight * queues_veh;
     }
@@ -292,7 +285,7 @@ static float value_of(elmopp_rollout_t *self, const elmopp_view_t *view, uint32_
                                      .hold_s = keep ? self->options.hold_s[h] : 0U,
                                      .ratio = self->options.ratio[r]};
             const float cost = cost_of(self, view, &action);
-            best = ((h + r) == 0U) ? cost : lesser(cost, best);
+            best = ((h + r) == 0U) ? cost : elmopp_lesser(cost, best);
         }
     }
     return best;

@@ -4,6 +4,7 @@
 #include "elmopp/sight.h"
 
 #include "elmopp/assert.h"
+#include "elmopp/elementary.h"
 
 #define MEAN_WINDOW_S 120U
 #define BLOCK_S 8U
@@ -52,14 +53,6 @@ void elmopp_sight_init(elmopp_sight_t *self, const elmopp_junction_t *junction, 
     }
 }
 
-static float no_more(float one, float other) {
-    return (one < other) ? one : other;
-}
-
-static float within(float value, float low, float high) {
-    return (value > low) ? no_more(value, high) : low;
-}
-
 /* Who is due first has left first, until no more drive than are there. Returns who still drive. */
 static float drop_excess(float *due_veh, uint32_t travel_s, float present_veh) {
     float driving_veh = 0.0F;
@@ -68,7 +61,7 @@ static float drop_excess(float *due_veh, uint32_t travel_s, float present_veh) {
     }
     float excess_veh = driving_veh - present_veh;
     for (uint32_t t = 0U; t < travel_s; t++) {
-        const float leaving_veh = (excess_veh > 0.0F) ? no_more(excess_veh, due_veh[t]) : 0.0F;
+        const float leaving_veh = (excess_veh > 0.0F) ? elmopp_lesser(excess_veh, due_veh[t]) : 0.0F;
         due_veh[t] -= leaving_veh;
         driving_veh -= leaving_veh;
         excess_veh -= leaving_veh;
@@ -86,7 +79,7 @@ static void drive_on(elmopp_sight_t *self, uint32_t movement, float arrived_veh,
         due_veh[travel_s - 1U] = arrived_veh;
     }
     const float queued_veh = present_veh - drop_excess(due_veh, travel_s, present_veh);
-    self->queued_veh[movement] = (queued_veh > 0.0F) ? queued_veh : 0.0F;
+    self->queued_veh[movement] = elmopp_greater(queued_veh, 0.0F);
     self->present_veh[movement] = present_veh;
 }
 
@@ -97,7 +90,8 @@ static void expect(elmopp_sight_t *self, uint32_t movement, float arrived_veh) {
     const bool full = reach && (self->present_veh[movement] >= (FULL_SHARE * capacity_veh));
     float *mean = &self->mean_veh_per_s[movement];
     const float missing_veh = *mean - arrived_veh;
-    self->hidden_veh[movement] = full ? within(self->hidden_veh[movement] + missing_veh, 0.0F, capacity_veh) : 0.0F;
+    self->hidden_veh[movement] =
+        full ? elmopp_within(self->hidden_veh[movement] + missing_veh, 0.0F, capacity_veh) : 0.0F;
     if ((!full) || (missing_veh < 0.0F)) {
         *mean -= missing_veh / (float)self->mean_s;
     }
@@ -107,15 +101,14 @@ static void expect(elmopp_sight_t *self, uint32_t movement, float arrived_veh) {
 static void learn_flow(elmopp_sight_t *self, uint32_t stage, uint32_t movement, float left_veh) {
     const float site = self->site_veh_per_s[movement];
     const float lanes = (float)self->junction->movement[movement].lanes;
-    const float twice_veh = 2.0F * site;
-    const float most_veh = (twice_veh > lanes) ? twice_veh : lanes;
+    const float most_veh = elmopp_greater(2.0F * site, lanes);
     const float kept = 1.0F - self->options.forget_per_s;
     float *veh = &self->learnt_veh[stage][movement];
     float *seconds = &self->learnt_s[stage][movement];
-    *veh = (*veh * kept) + within(left_veh, 0.0F, most_veh);
+    *veh = (*veh * kept) + elmopp_within(left_veh, 0.0F, most_veh);
     *seconds = (*seconds * kept) + 1.0F;
     const float mean = ((site * self->options.prior_s) + *veh) / (self->options.prior_s + *seconds);
-    self->flow_veh_per_s[stage][movement] = within(mean, LEAST_FLOW_SHARE * site, MOST_FLOW_SHARE * site);
+    self->flow_veh_per_s[stage][movement] = elmopp_within(mean, LEAST_FLOW_SHARE * site, MOST_FLOW_SHARE * site);
 }
 
 /* `queued_veh`: a second ago. */

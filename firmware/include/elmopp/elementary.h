@@ -35,6 +35,18 @@ float elmopp_sigmoid(float x);
 void elmopp_tanh_each(float *value, uint32_t count);
 void elmopp_sigmoid_each(float *value, uint32_t count);
 
+/// The lesser and the greater of two, and a value held between two bounds (low <= high). Here for the choosers, which
+/// call them thousands of times a decision. Of a NaN they make `other`, and `low`.
+static inline float elmopp_lesser(float one, float other) {
+    return (one < other) ? one : other;
+}
+static inline float elmopp_greater(float one, float other) {
+    return (one > other) ? one : other;
+}
+static inline float elmopp_within(float value, float low, float high) {
+    return (value > low) ? elmopp_lesser(value, high) : low;
+}
+
 /// A running mean takes its `seen`-th value (from 1): weighted by 1 / min(seen, window), which is the exact average
 /// until the window is full and an exponential one after it. No ring of values is needed.
 void elmopp_average(float *mean, float value, uint32_t seen, uint32_t window);
