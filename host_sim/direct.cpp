@@ -18,7 +18,9 @@ class Direct final : public Control {
           arrived_veh_(scenario.capacity_veh.size()) {
         const elmopp_forecast_config_t config = forecast_of(spec, demand);
         elmopp_pilot_init(&pilot_, &scenario.junction, &plugged_->chooser, &config);
-        elmopp_forecast_init(&base_, &scenario.junction, &config);
+        if (demand.announced != nullptr) {
+            elmopp_forecast_init(&base_, &scenario.junction, &config);
+        }
         Arrivals(scenario, demand).absorb_known(pilot_, 0);
     }
 

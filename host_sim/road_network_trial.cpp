@@ -44,11 +44,7 @@ Demand demand_of(const Network &network, std::size_t v, const NetworkCell &cell,
     demand.comings = draw_comings(rate, seed, stream);
     const Series counts = counted(demand.comings);
     for (const auto &series : counts) {
-        std::vector<float> future(seconds + ELMOPP_HORIZON_MAX, 0.0F);
-        for (std::size_t t = 0; t < future.size() && training_points + t < series.size(); ++t) {
-            future[t] = static_cast<float>(series[training_points + t]);
-        }
-        demand.future_veh.push_back(std::move(future));
+        demand.future_veh.push_back(rows_from(series, training_points, seconds));
     }
     return demand;
 }

@@ -52,4 +52,22 @@ class Signals {
     std::vector<unsigned> flowing_ds_;
 };
 
+/// How often a stage was shown that was not the one shown before; intergreens between them do not count.
+class Switches {
+  public:
+    void see(elmopp_stage_t stage) {
+        if (stage != ELMOPP_STAGE_NONE) {
+            count_ += last_ != ELMOPP_STAGE_NONE && stage != last_ ? 1.0 : 0.0;
+            last_ = stage;
+        }
+    }
+    [[nodiscard]] double count() const {
+        return count_;
+    }
+
+  private:
+    double count_ = 0.0;
+    elmopp_stage_t last_ = ELMOPP_STAGE_NONE;
+};
+
 } // namespace elmopp

@@ -30,15 +30,11 @@ class Post {
             waited_s_[j] = red_s_[j] > 0.0 && streets.late_veh(junction, j) > 0 ? waited_s_[j] + 1.0 : 0.0;
             longest_red_s_ = std::max(longest_red_s_, std::min(red_s_[j], waited_s_[j]));
         }
-        const elmopp_stage_t stage = site_.control.told().stage;
-        if (stage != ELMOPP_STAGE_NONE) {
-            switches_ += last_ != ELMOPP_STAGE_NONE && stage != last_ ? 1.0 : 0.0;
-            last_ = stage;
-        }
+        switches_.see(site_.control.told().stage);
     }
 
     void add_to(Metrics &metrics) const {
-        metrics.switches += switches_;
+        metrics.switches += switches_.count();
         metrics.longest_red_s = std::max(metrics.longest_red_s, longest_red_s_);
     }
 
@@ -56,20 +52,13 @@ class Post {
     std::vector<double> red_s_;
     std::vector<double> waited_s_; ///< on red, without a break
     double longest_red_s_ = 0.0;
-    double switches_ = 0.0;
-    elmopp_stage_t last_ = ELMOPP_STAGE_NONE;
+    Switches switches_;
 };
 
 Metrics totals(const Streets &streets, std::size_t seconds, double out_squared) {
-    Metrics metrics;
-    const auto in = static_cast<double>(streets.total_in_veh());
-    const auto out = static_cast<double>(streets.total_out_veh());
-    metrics.throughput_veh_per_s = out / static_cast<double>(seconds);
-    metrics.served_share = in > 0.0 ? out / in : 0.0;
-    metrics.mean_delay_s = in > 0.0 ? streets.delay_veh_s() / in : 0.0;
-    metrics.figure_throughput_veh_per_s = out > 0.0 ? out_squared / out : 0.0;
-    metrics.vehicles_in = in;
-    metrics.vehicles_out = out;
+    Metrics metrics = metrics_of({static_cast<double>(streets.total_in_veh()),
+                                  static_cast<double>(streets.total_out_veh()), out_squared, streets.delay_veh_s()},
+                                 seconds);
     metrics.vehicles_queued = static_cast<double>(streets.inside_veh());
     metrics.vehicles_outside = static_cast<double>(streets.outside_veh());
     return metrics;

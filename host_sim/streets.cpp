@@ -76,6 +76,12 @@ std::vector<std::vector<std::size_t>> road_lanes(const elmopp_junction_t &site, 
     return choice;
 }
 
+/// The better place to drive in: the lane if it has room and fewer vehicles than the best until now (null: none).
+Lane *emptier(Lane *best, Lane &lane, std::int64_t now_ds) {
+    const bool better = lane.has_room(now_ds) && (best == nullptr || lane.vehicles().size() < best->vehicles().size());
+    return better ? &lane : best;
+}
+
 std::size_t lane_count(const std::vector<std::vector<std::size_t>> &choice) {
     std::size_t last = 0;
     for (const auto &lanes : choice) {
@@ -227,10 +233,7 @@ bool Streets::move_on(const Vehicle &vehicle, const Way &way) {
     const std::size_t next = way_of(*arm.plan, vehicle.seed);
     Lane *best = nullptr;
     for (const std::size_t k : arm.choice[arm.plan->ways[next].movement]) {
-        Lane &lane = arm.road[k];
-        if (lane.has_room(now_ds_) && (best == nullptr || lane.vehicles().size() < best->vehicles().size())) {
-            best = &lane;
-        }
+        best = emptier(best, arm.road[k], now_ds_);
     }
     if (best == nullptr) {
         return false;
@@ -251,9 +254,7 @@ void Streets::reach(std::size_t junction, Arm &arm) {
         const std::size_t movement = arm.plan->ways[vehicle.way].movement;
         Lane *best = nullptr;
         for (auto &lane : junctions_[junction].lanes[movement]) {
-            if (lane.has_room(now_ds_) && (best == nullptr || lane.vehicles().size() < best->vehicles().size())) {
-                best = &lane;
-            }
+            best = emptier(best, lane, now_ds_);
         }
         if (best != nullptr) {
             road.leave(now_ds_);
@@ -319,22 +320,19 @@ void Streets::end_second() {
     }
 }
 
-template <typename Visit> void Streets::for_vehicles(std::size_t junction, const Visit &visit) const {
-    const Junction &here = junctions_[junction];
-    for (std::size_t j = 0; j < here.lanes.size(); ++j) {
-        for (const auto &lane : here.lanes[j]) {
-            for (const auto &vehicle : lane.vehicles()) {
-                visit(j, vehicle);
+template <typename Visit> void Streets::for_queues(const Visit &visit) const {
+    for (const auto &junction : junctions_) {
+        for (const auto &lanes : junction.lanes) {
+            for (const auto &lane : lanes) {
+                visit(lane.vehicles(), true);
             }
         }
-    }
-    for (const auto &arm : here.arms) {
-        for (std::size_t k = 0; k < arm.road.size(); ++k) {
-            for (const auto &vehicle : arm.road[k].vehicles()) {
-                visit(arm.plan->ways[vehicle.way].movement, vehicle);
+        for (const auto &arm : junction.arms) {
+            for (const auto &lane : arm.road) {
+                visit(lane.vehicles(), true);
             }
-            for (const auto &vehicle : arm.outside[k]) {
-                visit(arm.plan->ways[vehicle.way].movement, vehicle);
+            for (const auto &queue : arm.outside) {
+                visit(queue, false);
             }
         }
     }
@@ -402,31 +400,23 @@ bool Streets::is_occupied(std::size_t junction) const {
 
 std::size_t Streets::inside_veh() const {
     std::size_t count = 0;
-    for (std::size_t v = 0; v < junctions_.size(); ++v) {
-        for_vehicles(v, [&count](std::size_t /*movement*/, const Vehicle & /*vehicle*/) { ++count; });
-    }
-    return count - outside_veh();
+    for_queues([&count](const std::deque<Vehicle> &queue, bool inside) { count += inside ? queue.size() : 0U; });
+    return count;
 }
 
 std::size_t Streets::outside_veh() const {
     std::size_t count = 0;
-    for (const auto &junction : junctions_) {
-        for (const auto &arm : junction.arms) {
-            for (const auto &queue : arm.outside) {
-                count += queue.size();
-            }
-        }
-    }
+    for_queues([&count](const std::deque<Vehicle> &queue, bool inside) { count += inside ? 0U : queue.size(); });
     return count;
 }
 
 double Streets::delay_veh_s() const {
     double delay_ds = delay_veh_ds_;
-    for (std::size_t v = 0; v < junctions_.size(); ++v) {
-        for_vehicles(v, [&](std::size_t /*movement*/, const Vehicle &vehicle) {
+    for_queues([&](const std::deque<Vehicle> &queue, bool /*inside*/) {
+        for (const auto &vehicle : queue) {
             delay_ds += static_cast<double>(std::max<std::int64_t>(0, now_ds_ - vehicle.due_ds));
-        });
-    }
+        }
+    });
     return delay_ds / ds_per_s;
 }
 

@@ -114,7 +114,8 @@ class Streets {
     void reach(std::size_t junction, Arm &arm);
     void come(Arm &arm);
     [[nodiscard]] std::int64_t begin_ds() const;
-    template <typename Visit> void for_vehicles(std::size_t junction, const Visit &visit) const;
+    /// Shows each lane's vehicles and all that wait outside: visit(vehicles, whether they are inside).
+    template <typename Visit> void for_queues(const Visit &visit) const;
 
     std::vector<Comings> comings_;
     std::vector<Junction> junctions_;

@@ -35,24 +35,14 @@ class Meter {
                 longest_red_s_ = std::max(longest_red_s_, red_s[j]);
             }
         }
-        if (stage != ELMOPP_STAGE_NONE) {
-            switches_ += last_ != ELMOPP_STAGE_NONE && stage != last_ ? 1.0 : 0.0;
-            last_ = stage;
-        }
+        switches_.see(stage);
     }
 
     [[nodiscard]] Metrics result(const Traffic &traffic, std::size_t seconds) const {
-        Metrics metrics;
-        const double out = traffic.total_out_veh();
-        const double in = traffic.total_in_veh();
-        metrics.throughput_veh_per_s = out / static_cast<double>(seconds);
-        metrics.served_share = in > 0.0 ? out / in : 0.0;
-        metrics.mean_delay_s = in > 0.0 ? queued_veh_s_ / in : 0.0;
+        Metrics metrics =
+            metrics_of({traffic.total_in_veh(), traffic.total_out_veh(), out_squared_, queued_veh_s_}, seconds);
         metrics.longest_red_s = longest_red_s_;
-        metrics.switches = switches_;
-        metrics.figure_throughput_veh_per_s = out > 0.0 ? out_squared_ / out : 0.0;
-        metrics.vehicles_in = in;
-        metrics.vehicles_out = out;
+        metrics.switches = switches_.count();
         metrics.vehicles_queued = sum(traffic.queue_veh());
         metrics.vehicles_outside = sum(traffic.outside_veh());
         return metrics;
@@ -62,11 +52,21 @@ class Meter {
     double out_squared_ = 0.0;
     double queued_veh_s_ = 0.0;
     double longest_red_s_ = 0.0;
-    double switches_ = 0.0;
-    elmopp_stage_t last_ = ELMOPP_STAGE_NONE;
+    Switches switches_;
 };
 
 } // namespace
+
+Metrics metrics_of(const Totals &total, std::size_t seconds) {
+    Metrics metrics;
+    metrics.throughput_veh_per_s = total.out_veh / static_cast<double>(seconds);
+    metrics.served_share = total.in_veh > 0.0 ? total.out_veh / total.in_veh : 0.0;
+    metrics.mean_delay_s = total.in_veh > 0.0 ? total.late_veh_s / total.in_veh : 0.0;
+    metrics.figure_throughput_veh_per_s = total.out_veh > 0.0 ? total.out_squared / total.out_veh : 0.0;
+    metrics.vehicles_in = total.in_veh;
+    metrics.vehicles_out = total.out_veh;
+    return metrics;
+}
 
 elmopp_forecast_config_t forecast_of(const ChooserSpec &spec, const Demand &demand) {
     const elmopp_weights_t *weights = demand.weights != nullptr ? demand.weights : shipped_weights(spec.forecast);
@@ -103,6 +103,14 @@ Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, s
     return source;
 }
 
+std::vector<float> rows_from(const std::vector<double> &series, std::size_t first, std::size_t seconds) {
+    std::vector<float> rows(seconds + ELMOPP_HORIZON_MAX, 0.0F);
+    for (std::size_t t = 0; t < rows.size() && first + t < series.size(); ++t) {
+        rows[t] = static_cast<float>(series[first + t]);
+    }
+    return rows;
+}
+
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds) {
     Demand demand{unit, origin, ar8, {}, {}, nullptr, vehicles_per_approach};
@@ -113,11 +121,7 @@ Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t
         if (known_mean) {
             demand.mean_veh_per_s.push_back(static_cast<float>(training_mean(series)));
         }
-        std::vector<float> future(seconds + ELMOPP_HORIZON_MAX, 0.0F);
-        for (std::size_t t = 0; t < future.size() && origin + t + 1 < series.size(); ++t) {
-            future[t] = static_cast<float>(series[origin + t + 1]);
-        }
-        demand.future_veh.push_back(std::move(future));
+        demand.future_veh.push_back(rows_from(series, origin + 1, seconds));
     }
     return demand;
 }
@@ -137,9 +141,7 @@ Demand make_discrete_demand(const Scenario &scenario, const Series &unit, double
     Demand demand = make_demand(counts, 1.0, training_points, ar8, true, seconds);
     // Counts of second t are known when the next one begins: row 0 is what comes in the second that begins.
     for (std::size_t i = 0; i < counts.size(); ++i) {
-        for (std::size_t t = 0; t < demand.future_veh[i].size() && training_points + t < counts[i].size(); ++t) {
-            demand.future_veh[i][t] = static_cast<float>(counts[i][training_points + t]);
-        }
+        demand.future_veh[i] = rows_from(counts[i], training_points, seconds);
     }
     demand.comings = comings;
     return demand;

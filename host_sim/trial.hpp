@@ -75,6 +75,9 @@ class Arrivals {
     std::vector<float> arrived_veh_;
 };
 
+/// What an oracle foresees: the series from `first` on, for as long as a run of so many seconds can ask; zeros beyond.
+std::vector<float> rows_from(const std::vector<double> &series, std::size_t first, std::size_t seconds);
+
 /// Scales a unit series to so many vehicles an approach and prepares the oracle's rows for `seconds`.
 Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t origin,
                    const std::vector<elmopp_ar8_t> &ar8, bool known_mean, std::size_t seconds);
@@ -100,6 +103,17 @@ struct Metrics {
     double vehicles_queued = 0.0;
     double vehicles_outside = 0.0;
 };
+
+/// What both kinds of traffic sum up over a run.
+struct Totals {
+    double in_veh;
+    double out_veh;
+    double out_squared; ///< of the outflow of each second
+    double late_veh_s;  ///< of all vehicles
+};
+
+/// The metrics that follow from the sums; the others are 0.
+Metrics metrics_of(const Totals &total, std::size_t seconds);
 
 /// One second, as a log sees it after the discharge.
 struct Second {
