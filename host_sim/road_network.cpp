@@ -175,13 +175,12 @@ NetworkText of_json(const nlohmann::json &json) {
         node.site = junction.at("site").get<std::string>();
         const nlohmann::json neighbours = junction.value("neighbours", nlohmann::json::object());
         for (const auto &[side, name] : neighbours.items()) {
-            const std::string sides = "NESW";
-            const auto index = sides.find(side);
-            if (side.size() != 1 || index == std::string::npos) {
+            const auto index = side_named(side);
+            if (!index) {
                 throw BadRequest("network " + text.name + ", junction " + node.name + ": neighbour at side \"" + side +
                                  "\"; right would be N, E, S or W");
             }
-            node.neighbours.at(index) = name.get<std::string>();
+            node.neighbours.at(static_cast<std::size_t>(*index)) = name.get<std::string>();
         }
         text.nodes.push_back(std::move(node));
     }

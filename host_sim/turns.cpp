@@ -30,7 +30,10 @@ bool conflict(const elmopp_junction_t &junction, std::size_t a, std::size_t b) {
 } // namespace
 
 std::optional<int> side_of(const elmopp_junction_t &junction, std::size_t approach) {
-    const std::string name = junction.approach_name[approach];
+    return side_named(junction.approach_name[approach]);
+}
+
+std::optional<int> side_named(const std::string &name) {
     const auto found = sides.find(name);
     return name.size() == 1 && found != std::string::npos ? std::optional<int>(static_cast<int>(found)) : std::nullopt;
 }

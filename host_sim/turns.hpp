@@ -24,6 +24,8 @@ constexpr int side_count = 4; ///< N, E, S, W, clockwise
 
 /// The side from which an approach comes, 0..3; none if its name is not one of the four.
 std::optional<int> side_of(const elmopp_junction_t &junction, std::size_t approach);
+/// The side of that name, N, E, S or W; nothing if it is none.
+std::optional<int> side_named(const std::string &name);
 
 /// The approach that comes from a side; none if there is none.
 std::optional<std::size_t> approach_of(const elmopp_junction_t &junction, int side);
