@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scipy import stats
+from elmopp_tools.paired import half_width
 
 TEXT_COLUMNS = ("profile", "chooser", "forecast")
 COUNT_COLUMNS = ("vehicles", "trial", "seed")
@@ -32,7 +32,6 @@ COLUMNS = TEXT_COLUMNS + COUNT_COLUMNS + METRIC_COLUMNS
 COUNT_PATTERN = re.compile(r"[0-9]{1,20}")
 NUMBER_PATTERN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 NUMBER_MAX = 1e12  # far above any result, and its square is still a number
-CONFIDENCE = 0.95
 SHOWN_LENGTH_MAX = 60
 
 
@@ -110,13 +109,7 @@ def trials_of(rows: Iterable[Row], metric: str) -> list[Point]:
 
 
 def _point(vehicles: int, values: list[float]) -> Point:
-    count = len(values)
-    mean = math.fsum(values) / count
-    if count == 1:
-        return Point(vehicles, mean, 0.0, count)
-    variance = math.fsum((value - mean) ** 2 for value in values) / (count - 1)
-    factor = float(stats.t.ppf((1.0 + CONFIDENCE) / 2.0, count - 1))
-    return Point(vehicles, mean, factor * math.sqrt(variance / count), count)
+    return Point(vehicles, math.fsum(values) / len(values), half_width(values), len(values))
 
 
 def _read(path: Path) -> list[Row]:
