@@ -12,24 +12,22 @@ after 40 inputs. The dynamics of a random model can make a rounding error grow w
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 import os
 import random
 import struct
 import subprocess
-import sys
 import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
+from references import load_reference
 
 Array = npt.NDArray[np.float64]
 
@@ -38,16 +36,7 @@ PROBE = os.environ.get("ELMOPP_LSTM_PROBE", str(ROOT / "build" / "host" / "bin" 
 SHIPPED = ROOT / "weights" / "forecast.safetensors"
 
 
-def load_reference() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("lstm_reference", ROOT / "tests" / "reference" / "lstm_reference.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-REFERENCE = load_reference()
+REFERENCE = load_reference("lstm_reference")
 
 LEVELS = (1, 2, 3)
 SEEDS = tuple(range(1, 9))

@@ -9,34 +9,22 @@ double precision throughout, the core in single: stages and reds must be equal, 
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import json
 import os
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
+from references import load_reference
 
 ROOT = Path(__file__).resolve().parents[2]
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "host" / "bin" / "host_sim"))
 
 
-def load_reference() -> ModuleType:
-    spec = importlib.util.spec_from_file_location(
-        "elmopp_reference", ROOT / "tests" / "reference" / "elmopp_reference.py"
-    )
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-REFERENCE = load_reference()
+REFERENCE = load_reference("elmopp_reference")
 
 
 def run_host_sim(profile: str, chooser: str, vehicles: int, trial: int) -> tuple[list[dict[str, Any]], dict[str, Any]]:

@@ -11,19 +11,17 @@ of these seeds none does, hence these seeds, for good.
 
 from __future__ import annotations
 
-import importlib.util
 import math
 import os
 import random
 import struct
 import subprocess
-import sys
 from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import pytest
+from references import load_reference
 
 ROOT = Path(__file__).resolve().parents[2]
 PROBE = os.environ.get("ELMOPP_ROLLOUT_PROBE", str(ROOT / "build" / "host" / "bin" / "tests" / "rollout_probe"))
@@ -32,17 +30,7 @@ CASES = 200
 RELATIVE_BOUND = 1e-4
 
 
-def load_reference() -> ModuleType:
-    path = ROOT / "tests" / "reference" / "rollout_reference.py"
-    spec = importlib.util.spec_from_file_location("rollout_reference", path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-REFERENCE = load_reference()
+REFERENCE = load_reference("rollout_reference")
 
 
 def single(value: float) -> float:
