@@ -3,7 +3,10 @@
 
 #include "view.h"
 
+#include "random.h"
 #include "unity.h"
+
+#include <string.h>
 
 #define GARBAGE 12345.0F
 
@@ -32,6 +35,21 @@ void test_view_clear_to(test_view_t *self, elmopp_stage_t target) {
     self->view.going = 0U;
 }
 
+void test_view_show_any(test_view_t *self, uint64_t *random) {
+    const elmopp_stage_t stage = (elmopp_stage_t)random_below(random, self->view.junction->stage_count);
+    if (random_below(random, 8U) == 0U) {
+        test_view_clear_to(self, stage);
+    } else {
+        test_view_show(self, stage, random_below(random, 900U));
+    }
+}
+
+float test_view_any_count(uint64_t *random) {
+    static const float most_veh[4] = {0.0F, 3.0F, 40.0F, 1.0e6F};
+    const float most = most_veh[random_below(random, 4U)];
+    return most * ((float)random_below(random, 1001U) / 1000.0F);
+}
+
 elmopp_stage_t test_view_ask(test_view_t *self, const elmopp_chooser_t *chooser) {
     for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
         self->score[s] = GARBAGE;
@@ -40,5 +58,14 @@ elmopp_stage_t test_view_ask(test_view_t *self, const elmopp_chooser_t *chooser)
     const elmopp_stage_t wanted = chooser->choose(chooser->state, &self->view, self->score);
     TEST_ASSERT_EQUAL_FLOAT_MESSAGE(GARBAGE, self->beyond_score, "written beyond the scores");
     TEST_ASSERT_LESS_THAN_UINT8_MESSAGE(self->view.junction->stage_count, wanted, "no such stage");
+    return wanted;
+}
+
+elmopp_stage_t test_view_ask_both(test_view_t *self, const elmopp_chooser_t *one, const elmopp_chooser_t *other) {
+    float score[ELMOPP_STAGE_MAX];
+    const elmopp_stage_t wanted = test_view_ask(self, one);
+    (void)memcpy(score, self->score, sizeof score);
+    TEST_ASSERT_EQUAL_UINT8(wanted, test_view_ask(self, other));
+    TEST_ASSERT_EQUAL_MEMORY(score, self->score, sizeof score);
     return wanted;
 }
