@@ -212,6 +212,23 @@ static void test_a_change_holds_the_red_amber_of_a_group_without_conflicts(void)
     TEST_ASSERT_EQUAL_UINT32(CROSS_MIN_GREEN_DS + CROSS_AMBER_DS + 700U + 2U, elmopp_junction_change_ds(&junction));
 }
 
+static void test_a_change_takes_what_ends_and_what_starts(void) {
+    elmopp_junction_t junction = test_cross(3U);
+    junction.group[0].amber_ds = 31U;
+    junction.group[2].red_amber_ds = 12U;
+    junction.movement[2].startup_ds = 17U;
+    TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS, elmopp_junction_clearing_ds(&junction, 0x1U, 0x2U));
+    junction.intergreen_ds[0][1] = 70U;
+    TEST_ASSERT_EQUAL_UINT32(70U, elmopp_junction_clearing_ds(&junction, 0x1U, 0x2U));
+    TEST_ASSERT_EQUAL_UINT32(CROSS_INTERGREEN_DS, elmopp_junction_clearing_ds(&junction, 0x2U, 0x1U));
+    TEST_ASSERT_EQUAL_UINT32(31U, elmopp_junction_clearing_ds(&junction, 0x1U, 0U));   /* nobody starts */
+    TEST_ASSERT_EQUAL_UINT32(12U, elmopp_junction_clearing_ds(&junction, 0x1U, 0x5U)); /* nobody ends */
+    TEST_ASSERT_EQUAL_UINT32(0U, elmopp_junction_clearing_ds(&junction, 0x3U, 0x3U));
+    TEST_ASSERT_EQUAL_UINT32(17U, elmopp_junction_starting_ds(&junction, 0x3U, 0x4U));
+    TEST_ASSERT_EQUAL_UINT32(20U, elmopp_junction_starting_ds(&junction, 0x4U, 0x6U)); /* the third goes on */
+    TEST_ASSERT_EQUAL_UINT32(0U, elmopp_junction_starting_ds(&junction, 0x7U, 0x1U));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_load_is_the_papers_hadamard_quotient);
@@ -231,5 +248,6 @@ int main(void) {
     RUN_TEST(test_a_change_holds_every_time_of_every_group_and_pair);
     RUN_TEST(test_a_change_holds_the_wait_for_an_occupied_junction);
     RUN_TEST(test_a_change_holds_the_red_amber_of_a_group_without_conflicts);
+    RUN_TEST(test_a_change_takes_what_ends_and_what_starts);
     return UNITY_END();
 }
