@@ -14,7 +14,7 @@
 namespace elmopp {
 namespace {
 
-constexpr unsigned step_s = 4;
+constexpr unsigned interval_s = 4;
 constexpr std::size_t steps_max = 60;
 constexpr double fresh = 0.3; ///< weight of the last round in the profile
 constexpr unsigned decide_before_s = 5;
@@ -60,14 +60,14 @@ void Scoot::prepare(const elmopp_view_t &view) {
 void Scoot::observe(const elmopp_view_t &view) {
     departures.observe(view);
     flow.observe(view);
-    const std::size_t step = std::min<std::size_t>(round_s / step_s, steps_max - 1);
-    const bool complete = (round_s + 1) % step_s == 0;
+    const std::size_t step = std::min<std::size_t>(round_s / interval_s, steps_max - 1);
+    const bool complete = (round_s + 1) % interval_s == 0;
     for (std::size_t j = 0; j < step_veh.size(); ++j) {
         departed_veh[j] += departures.veh(j);
         step_veh[j] += static_cast<double>(view.arrivals_veh[j]);
         if (complete) {
             double &rate = profile_veh_per_s[j][step];
-            const double now = step_veh[j] / step_s;
+            const double now = step_veh[j] / interval_s;
             rate = rate < 0.0 ? now : rate + fresh * (now - rate);
             step_veh[j] = 0.0;
         }
@@ -89,7 +89,7 @@ double Scoot::coming_veh(std::size_t movement, double seconds, double round_leng
     double sum_veh = 0.0;
     for (unsigned t = 0; t < seconds; ++t) {
         const double at_s = std::fmod(static_cast<double>(round_s) + t, round_length_s);
-        const std::size_t step = std::min(static_cast<std::size_t>(at_s) / step_s, steps_max - 1);
+        const std::size_t step = std::min(static_cast<std::size_t>(at_s) / interval_s, steps_max - 1);
         const double rate = profile_veh_per_s[movement][step];
         sum_veh += rate < 0.0 ? flow.veh_per_s(movement) : rate;
     }

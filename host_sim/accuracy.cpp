@@ -23,9 +23,8 @@
 namespace elmopp {
 namespace {
 
-constexpr std::size_t seconds = simulated_points;
 constexpr std::size_t approaches = 4;
-constexpr double vehicles = 800.0; ///< any number gives the same: errors are in units of the demand scale
+constexpr double judged_vehicles = 800.0; ///< any number gives the same: errors are in units of the demand scale
 constexpr std::array<std::size_t, 4> horizons_s{1, 10, 30, 60};
 constexpr int digits = 6;
 
@@ -81,7 +80,7 @@ void judge_forecast(const std::string &name, const elmopp_weights_t *weights, co
     for (std::size_t point = demand.origin - ELMOPP_FORECAST_MEAN_WINDOW_S; point < demand.origin; ++point) {
         elmopp_forecast_observe(&forecast, arrivals.at(point));
     }
-    for (std::size_t t = 0; t < seconds; ++t) {
+    for (std::size_t t = 0; t < simulated_points; ++t) {
         check_interrupt();
         elmopp_forecast_observe(&forecast, arrivals.at(demand.origin + t));
         std::array<const float *, ELMOPP_APPROACH_MAX> rows{};
@@ -92,7 +91,7 @@ void judge_forecast(const std::string &name, const elmopp_weights_t *weights, co
 
 void measure_signal(const Demand &demand, Sums &sums) {
     for (std::size_t i = 0; i < approaches; ++i) {
-        for (std::size_t t = 0; t < seconds; ++t) {
+        for (std::size_t t = 0; t < simulated_points; ++t) {
             const double value = demand.veh_per_s[i][demand.origin + t] / static_cast<double>(demand.mean_veh_per_s[i]);
             sums.signal += value;
             sums.signal_squared += value * value;
@@ -103,7 +102,8 @@ void measure_signal(const Demand &demand, Sums &sums) {
 Sums judge_trial(const AccuracyRequest &request, const Weights &weights, std::size_t trial) {
     const Scenario scenario = make_scenario(find_profile("paper"), nullptr);
     const Source source = make_source(Integrator::rk4, Mapping::abs, request.seed, trial, approaches);
-    const Demand demand = make_demand(source.unit, vehicles, training_points, source.ar8, true, seconds);
+    const Demand demand =
+        make_demand(source.unit, judged_vehicles, training_points, source.ar8, true, simulated_points);
     Sums sums;
     sums.squared.resize(judged().size());
     for (std::size_t k = 0; k < judged().size(); ++k) {
@@ -111,7 +111,8 @@ Sums judge_trial(const AccuracyRequest &request, const Weights &weights, std::si
         const elmopp_weights_t *network = find(weights, name);
         judge_forecast(name, network, scenario, demand, sums.squared[k]);
         const std::size_t distrusted =
-            network == nullptr ? 0 : foresee(*network, source.unit, ELMOPP_PILOT_TRACE_S, seconds).distrusted_s;
+            network == nullptr ? 0
+                               : foresee(*network, source.unit, ELMOPP_PILOT_TRACE_S, simulated_points).distrusted_s;
         sums.distrusted_s.push_back(static_cast<double>(distrusted));
     }
     measure_signal(demand, sums);
@@ -119,7 +120,7 @@ Sums judge_trial(const AccuracyRequest &request, const Weights &weights, std::si
 }
 
 nlohmann::ordered_json summary_of(const AccuracyRequest &request, const std::vector<Sums> &trials) {
-    const double values = static_cast<double>(trials.size() * seconds * approaches);
+    const double values = static_cast<double>(trials.size() * simulated_points * approaches);
     double signal = 0.0;
     double signal_squared = 0.0;
     for (const auto &sums : trials) {
@@ -143,7 +144,8 @@ nlohmann::ordered_json summary_of(const AccuracyRequest &request, const std::vec
             json["rmse"][judged()[k]][std::to_string(horizons_s[h])] = std::sqrt(squared[h] / values);
         }
         if (shipped_weights(judged()[k]) != nullptr) {
-            json["distrusted_share"][judged()[k]] = distrusted_s / static_cast<double>(trials.size() * seconds);
+            json["distrusted_share"][judged()[k]] =
+                distrusted_s / static_cast<double>(trials.size() * simulated_points);
         }
     }
     return json;

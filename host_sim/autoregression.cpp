@@ -5,7 +5,7 @@
 
 #include "inflow.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <numeric>

@@ -21,8 +21,7 @@ namespace elmopp {
 namespace {
 
 constexpr std::size_t rounds = 7;
-constexpr std::size_t seconds = simulated_points;
-constexpr double vehicles = 800.0;
+constexpr double bench_vehicles = 800.0;
 constexpr std::size_t speedup_trials = 24;
 constexpr std::size_t network_rounds = 201;
 
@@ -40,15 +39,15 @@ double median(std::vector<double> values) {
 
 Demand bench_demand() {
     const Source source = make_source(Integrator::rk4, Mapping::abs, 1, 0, 4);
-    return make_demand(source.unit, vehicles, training_points, source.ar8, true, seconds);
+    return make_demand(source.unit, bench_vehicles, training_points, source.ar8, true, simulated_points);
 }
 
 /// Two cores against one on the same trials, one after the other in each round so that both see the same machine.
 double speedup_of_two(const Scenario &scenario, const Demand &demand) {
     const ChooserSpec chooser = parse_chooser("cumulative:ar8");
     const auto trials = [&](unsigned jobs) {
-        run_jobs(speedup_trials, jobs, [&](std::size_t) { (void)run_trial(scenario, chooser, demand, seconds, {}); },
-                 {});
+        run_jobs(speedup_trials, jobs,
+                 [&](std::size_t) { (void)run_trial(scenario, chooser, demand, simulated_points, {}); }, {});
     };
     std::vector<double> ratios;
     for (std::size_t round = 0; round < rounds; ++round) {
@@ -157,8 +156,9 @@ void bench_choosers(nlohmann::ordered_json &result) {
     std::vector<std::vector<double>> rates(choosers.size());
     for (std::size_t round = 0; round < rounds; ++round) {
         for (std::size_t i = 0; i < choosers.size(); ++i) {
-            rates[i].push_back(static_cast<double>(seconds) /
-                               elapsed_s([&] { (void)run_trial(scenario, choosers[i], demand, seconds, {}); }));
+            rates[i].push_back(static_cast<double>(simulated_points) / elapsed_s([&] {
+                                   (void)run_trial(scenario, choosers[i], demand, simulated_points, {});
+                               }));
         }
     }
     for (std::size_t i = 0; i < choosers.size(); ++i) {

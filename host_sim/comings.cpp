@@ -12,7 +12,6 @@
 namespace elmopp {
 namespace {
 
-constexpr std::int64_t ds_per_s = 10;
 constexpr std::size_t alternating_s = 500;
 constexpr double light = 0.5;
 constexpr double heavy = 1.5;
@@ -21,7 +20,7 @@ constexpr std::size_t platoon_s = 30;
 constexpr std::uint64_t stream_of_offsets = 0x6F66667365747300ULL; ///< so that offsets and vehicles differ
 
 std::int64_t start_ds(std::size_t point) {
-    return ds_per_s * (static_cast<std::int64_t>(point) - static_cast<std::int64_t>(training_points));
+    return ds_per_second * (static_cast<std::int64_t>(point) - static_cast<std::int64_t>(training_points));
 }
 
 std::vector<double> alternating(double mean_veh_per_s) {
@@ -50,8 +49,8 @@ std::vector<Coming> draw_one(const std::vector<double> &rate_veh_per_s, SplitMix
         const double end = passed + rate_veh_per_s[t];
         while (next < end) {
             const double part = (next - passed) / rate_veh_per_s[t];
-            const auto tick = static_cast<std::int64_t>(part * static_cast<double>(ds_per_s));
-            comings.push_back({start_ds(t) + std::clamp<std::int64_t>(tick, 0, ds_per_s - 1), random.next()});
+            const auto tick = static_cast<std::int64_t>(part * static_cast<double>(ds_per_second));
+            comings.push_back({start_ds(t) + std::clamp<std::int64_t>(tick, 0, ds_per_second - 1), random.next()});
             next += -std::log1p(-random.uniform());
         }
         passed = end;
@@ -108,7 +107,7 @@ Series counted(const Comings &comings) {
     for (const auto &approach : comings) {
         std::vector<double> counts(trajectory_points);
         for (const auto &coming : approach) {
-            counts[static_cast<std::size_t>((coming.edge_ds - start_ds(0)) / ds_per_s)] += 1.0;
+            counts[static_cast<std::size_t>((coming.edge_ds - start_ds(0)) / ds_per_second)] += 1.0;
         }
         series.push_back(std::move(counts));
     }

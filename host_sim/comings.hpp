@@ -16,6 +16,8 @@
 
 namespace elmopp {
 
+constexpr int ds_per_second = 10; ///< whole; ds_per_s of view.hpp is a real number
+
 /// One vehicle.
 struct Coming {
     std::int64_t edge_ds; ///< when it would cross the edge of the counted reach if nobody were in its way

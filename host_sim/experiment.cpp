@@ -25,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t seconds = simulated_points;
 constexpr std::size_t paper_approaches = 4;
 constexpr std::size_t lyapunov_steps = 400000;
 constexpr std::size_t most_foresights = 200; ///< trajectories whose rows are kept: 2 MB each and network
@@ -160,7 +159,7 @@ class Experiment {
             auto &list = foresights_[key];
             list.resize(sources.size());
             const auto look = [&, forecast = key.second, count = most, &found = list](std::size_t trial) {
-                found[trial] = foresee(*shipped_weights(forecast), sources[trial].unit, count, seconds);
+                found[trial] = foresee(*shipped_weights(forecast), sources[trial].unit, count, simulated_points);
             };
             run_jobs(sources.size(), request_.jobs, look, {});
         }
@@ -178,9 +177,10 @@ class Experiment {
         const Source &source = sources_.at(integrator_of(scenario))[cell.trial];
         const unsigned vehicles = cell.vehicles == 0 ? source.random_vehicles : cell.vehicles;
         const double each = vehicles_per_approach(scenario.profile.scope, vehicles, paper_approaches);
-        Demand demand = scenario.street
-                            ? make_discrete_demand(scenario, source.unit, each, request_.seed, cell.trial, seconds)
-                            : make_demand(source.unit, each, training_points, source.ar8, true, seconds);
+        Demand demand =
+            scenario.street
+                ? make_discrete_demand(scenario, source.unit, each, request_.seed, cell.trial, simulated_points)
+                : make_demand(source.unit, each, training_points, source.ar8, true, simulated_points);
         demand.foresight = foresight_of(cell);
         return {scenario.profile.name,
                 cell.chooser.label(),
@@ -188,7 +188,7 @@ class Experiment {
                 vehicles,
                 cell.trial,
                 request_.seed,
-                run_trial(scenario, cell.chooser, demand, seconds, {})};
+                run_trial(scenario, cell.chooser, demand, simulated_points, {})};
     }
 
     const ExperimentRequest &request_;

@@ -5,7 +5,7 @@
 
 #include "jobs.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>

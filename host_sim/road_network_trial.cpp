@@ -19,7 +19,6 @@ namespace {
 
 constexpr unsigned trial_bits = 20; ///< a junction draws as if it were a trial far away
 constexpr std::size_t seconds_of_trial = simulated_points;
-constexpr std::size_t ds_per_s = 10;
 
 /// Vehicles from outside come to the arms that begin there. Nobody knows the past or the mean: the forecasts start cold
 /// and with the shipped regression, as on a street. The oracle knows who comes from outside, not who from a neighbour.
@@ -58,7 +57,7 @@ class Neighbourhood {
             downstream_veh_[v].resize(network.scenarios[v].junction.movement_count);
             for (const auto &arm : network.plan[v].arms) {
                 const auto sure_ds = static_cast<std::size_t>(road_ds(network.scenarios[v].junction, arm));
-                announced_[v].push_back({!arm.from_outside, {}, sure_ds / ds_per_s});
+                announced_[v].push_back({!arm.from_outside, {}, sure_ds / ds_per_second});
             }
         }
     }

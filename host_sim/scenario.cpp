@@ -7,12 +7,12 @@
 #include "csv.hpp"
 #include "error.hpp"
 #include "sites.hpp"
+#include "stats.hpp"
 #include "street_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 
 namespace elmopp {
@@ -47,7 +47,7 @@ std::vector<std::size_t> movements_of(const elmopp_junction_t &junction, std::si
 }
 
 std::vector<double> shares(const elmopp_junction_t &junction, const std::vector<double> &split) {
-    const double sum = std::accumulate(split.begin(), split.end(), 0.0);
+    const double whole = sum(split);
     std::vector<double> share(junction.movement_count);
     for (std::size_t i = 0; i < junction.approach_count; ++i) {
         const auto lanes = movements_of(junction, i);
@@ -57,7 +57,7 @@ std::vector<double> shares(const elmopp_junction_t &junction, const std::vector<
                              " movements; right would be one share each");
         }
         for (std::size_t k = 0; k < lanes.size(); ++k) {
-            share[lanes[k]] = split.empty() ? 1.0 / static_cast<double>(lanes.size()) : split[k] / sum;
+            share[lanes[k]] = split.empty() ? 1.0 / static_cast<double>(lanes.size()) : split[k] / whole;
         }
     }
     return share;

@@ -11,6 +11,10 @@
 
 namespace elmopp {
 
+double sum(const std::vector<double> &values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
 Summary summarize(const std::vector<double> &values) {
     Summary summary;
     summary.n = values.size();
@@ -18,7 +22,7 @@ Summary summarize(const std::vector<double> &values) {
         return summary;
     }
     const auto n = static_cast<double>(values.size());
-    summary.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+    summary.mean = sum(values) / n;
     double squares = 0.0;
     for (const double value : values) {
         squares += (value - summary.mean) * (value - summary.mean);

@@ -5,9 +5,13 @@
 
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 namespace elmopp {
+
+/// In their order, so that the same values give the same bits.
+double sum(const std::vector<double> &values);
 
 struct Summary {
     double mean = 0.0;

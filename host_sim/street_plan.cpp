@@ -4,6 +4,7 @@
 #include "street_plan.hpp"
 
 #include "turns.hpp"
+#include "view.hpp"
 
 #include <cmath>
 
@@ -12,7 +13,6 @@ namespace {
 
 constexpr double turning_share = 0.2;
 constexpr double straight_share = 0.6;
-constexpr double ds_per_s = 10.0;
 
 double weight_of(Turn turn) {
     return turn == Turn::straight ? straight_share : turning_share;

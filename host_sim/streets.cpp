@@ -4,6 +4,7 @@
 #include "streets.hpp"
 
 #include "error.hpp"
+#include "view.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +14,6 @@
 namespace elmopp {
 namespace {
 
-constexpr double ds_per_s = 10.0;
 constexpr std::int64_t gap_ds = 45;           ///< a left turn needs so much until the next opposing vehicle
 constexpr double left_headway_ds = 25.0;      ///< the next one follows in the same gap
 constexpr double whole = 1e-6;                ///< a float's 13.333333 lanes full of vehicles are 13

@@ -5,19 +5,15 @@
 
 #include "csv.hpp"
 #include "error.hpp"
+#include "stats.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace elmopp {
 namespace {
 
 constexpr double conservation_veh = 1e-6;
-
-double sum(const std::vector<double> &values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
-}
 
 } // namespace
 

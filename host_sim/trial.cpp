@@ -8,20 +8,16 @@
 #include "jobs.hpp"
 #include "networks.hpp"
 #include "signals.hpp"
+#include "stats.hpp"
 #include "street_trial.hpp"
 #include "traffic.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace elmopp {
 namespace {
 
 constexpr double metric_min_veh = 1.0; ///< a lane with less is nobody's red
-
-double sum(const std::vector<double> &values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
-}
 
 /// Sums up what the metrics need.
 class Meter {

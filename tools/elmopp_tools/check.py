@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 import os
 import re
 import shutil
@@ -20,9 +19,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from elmopp_tools.compile_database import FOLDER, CompileDatabaseError, compile_database
+
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "build" / "check"
-PRESETS = ("host", "asan", "release", "cortex-m4", "fuzz")
+PRESETS = ("asan", "release", "cortex-m4", "fuzz")
 C_FOLDERS = ("firmware", "host_files", "choosers", "host_sim", "library", "tests")
 C_SUFFIXES = (".c", ".h", ".cpp", ".hpp")
 JOBS = len(os.sched_getaffinity(0))
@@ -170,7 +171,8 @@ def run_tests(preset: str, nightly: bool, allowed: dict[tuple[str, str], str], t
 
 def build_and_test(nightly: bool, allowed: dict[tuple[str, str], str], tally: Tally) -> None:
     for preset in PRESETS:
-        configured = run_step(commands(f"{preset}: configure", ["cmake", "--preset", preset]), tally)
+        configure = ["cmake", "--preset", preset, "-DELMOPP_MERGE_SOURCES=ON"]
+        configured = run_step(commands(f"{preset}: configure", configure), tally)
         # Ninja goes on after an error, so that one run shows all of them.
         build = ["cmake", "--build", "--preset", preset, "--", "-k", "0"]
         built = configured and run_step(commands(f"{preset}: build", build), tally)
@@ -234,10 +236,10 @@ def check_tidy(nightly: bool) -> str | None:
     Clang's analyzer follows paths through whole functions and takes nearly all of the time: it always judges the core,
     and what is C++ only at night.
     """
-    database = ROOT / "build" / "host" / "compile_commands.json"
-    if not database.exists():
-        return "build/host/compile_commands.json is missing: the preset host was not configured"
-    compiled = {Path(entry["file"]).resolve() for entry in json.loads(database.read_text(encoding="utf-8"))}
+    try:
+        compiled = compile_database()
+    except CompileDatabaseError as error:
+        return str(error)
     core = ROOT / "firmware" / "src"
     folders = [core, ROOT / "firmware" / "port"]
     folders += [ROOT / folder for folder in ("host_files", "choosers", "host_sim", "library")]
@@ -245,7 +247,7 @@ def check_tidy(nightly: bool) -> str | None:
     if not files:
         return "the preset host compiles no file of firmware/src or host_sim"
     # The warnings of gcc are judged by the build; clang's own opinion on the same flags is not asked for.
-    command = [tool("clang-tidy"), "--quiet", "-p", str(database.parent), "--extra-arg=-Wno-error"]
+    command = [tool("clang-tidy"), "--quiet", "-p", str(FOLDER), "--extra-arg=-Wno-error"]
 
     def judge(file: Path) -> tuple[int, str]:
         quick = [] if nightly or file.is_relative_to(core) else ["--checks=-clang-analyzer-*"]

@@ -22,11 +22,11 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from elmopp_tools.compile_database import CompileDatabaseError, compile_database
 from elmopp_tools.mutants import Mutant, mutants_of
 from elmopp_tools.outputs import EXIT_DIFFERENT, EXIT_DONE, EXIT_REFUSED, OneLineParser, say
 
 ROOT = Path(__file__).resolve().parents[2]
-HOST = ROOT / "build" / "host"
 SURVIVORS = ROOT / "tests" / "mutation" / "survivors.json"
 JOBS = 2
 LIMIT_S = 60
@@ -239,11 +239,12 @@ def _is_shared(source: Path) -> bool:
 
 def compile_commands() -> dict[Path, list[str]]:
     """How the preset host compiles each file, without optimisation level, input and output."""
-    listing = HOST / "compile_commands.json"
-    if not listing.exists():
-        raise MutateError("build/host/compile_commands.json is missing ; right would be cmake --preset host first")
+    try:
+        database = compile_database()
+    except CompileDatabaseError as error:
+        raise MutateError(f"{error} ; right would be a tree that CMake can configure") from error
     commands = {}
-    for entry in json.loads(listing.read_text(encoding="utf-8")):
-        words = shlex.split(entry["command"])
-        commands[Path(entry["file"])] = [w for w in words[: words.index("-o")] if w not in ("-g", "-Og", "-Werror")]
+    for source, command in database.items():
+        words = shlex.split(command)
+        commands[source] = [w for w in words[: words.index("-o")] if w not in ("-g", "-Og", "-Werror")]
     return commands
