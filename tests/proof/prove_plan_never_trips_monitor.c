@@ -2,11 +2,13 @@
  * Copyright 2026 The ELMOPP authors */
 
 /// From any state that the plan can reach, with a monitor that has seen it and lamps that do as they are told, one tick
-/// of the plan is passed by the monitor, and the monitor has seen it again.
+/// of the plan is passed by the monitor, and the monitor has seen it again. Of elmopp_plan_start() of the groups that
+/// conflict with the one that is judged it uses what prove_plan_starts_only_when_clear has claimed.
 
 #include "invariant.h"
 
 elmopp_monitor_t nondet_monitor(void);
+elmopp_plan_group_t nondet_group(void);
 
 static void assume_state(const elmopp_junction_t *junction, const elmopp_monitor_t *monitor,
                          const elmopp_plan_group_t before[ELMOPP_GROUP_MAX], uint32_t g) {
@@ -35,7 +37,10 @@ void harness(void) {
     }
     const bool held = nondet_bool();
     for (uint32_t h = 0U; h < junction.group_count; h++) {
-        const elmopp_plan_group_t started = elmopp_plan_start(&junction, ended, h, has(kept, h));
+        const elmopp_plan_group_t started =
+            (h == g) ? elmopp_plan_start(&junction, ended, g, has(kept, g)) : nondet_group();
+        ASSUME((!has(junction.conflict[g], h)) ||
+               may_follow(&junction.group[h], junction.intergreen_ds[g][h], ended[h], ended[g], has(kept, h), started));
         after[h] = elmopp_plan_older(elmopp_plan_hold(ended[h], started, held), nondet_bool());
         /* prove_plan_keeps_its_invariant */
         ASSUME((!has(junction.conflict[g], h)) || pair_holds(&junction, after, g, h));

@@ -26,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PROOFS = ROOT / "tests" / "proof"
 CBMC = ROOT / "build" / "cbmc" / "bin" / "cbmc"
 EXIT_SKIPPED = 77
-LIMIT_S = 600  # each step of each part
+LIMIT_S = 1200  # each step of each part
 VERDICTS = {0: "proved", 10: "refuted"}
 
 DESCRIPTION = "Proves the claims of tests/proof, all or those named, and prints one line for each."
