@@ -40,9 +40,13 @@ endif()
 # build's host_sim.
 function(elmopp_add_host_sim_python_test)
     cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;TIMEOUT" "LABELS")
+    set(chosen "")
+    if(NOT depends_on_no_build) # under sanitizers
+        set(chosen -m "not experiments")
+    endif()
     elmopp_add_python_test(
         NAME ${arg_NAME}
-        COMMAND -m pytest -q tests/python/${arg_NAME}.py
+        COMMAND -m pytest -q ${chosen} tests/python/${arg_NAME}.py
         LABELS ${arg_LABELS}
         TIMEOUT ${arg_TIMEOUT})
     set_tests_properties(${arg_NAME} PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")

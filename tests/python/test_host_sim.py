@@ -835,6 +835,7 @@ def test_experiment_writes_its_files_and_no_other(small: Path) -> None:
         assert oct((small / name).stat().st_mode & 0o444) == oct(0o444)
 
 
+@pytest.mark.experiments
 def test_jobs_and_repetition_change_no_byte_and_other_files_stay(small: Path, tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine\n")
     # Results of an earlier run, one of which this run does not make.
@@ -845,6 +846,7 @@ def test_jobs_and_repetition_change_no_byte_and_other_files_stay(small: Path, tm
     assert files == tree(small)
 
 
+@pytest.mark.experiments
 def test_another_seed_gives_other_results_and_figures_come_too(small: Path, tmp_path: Path) -> None:
     done = succeed("experiment", *SMALL[:-1], "--seed", "2", "--out", str(tmp_path / "out"))
     names = sorted(tree(tmp_path / "out"))
@@ -966,6 +968,7 @@ def test_claims_of_a_part_of_the_table(small: Path) -> None:
     assert by_id["horizon_417"]["verdict"] == "reproduced"
 
 
+@pytest.mark.experiments
 def test_scores_random_numbers_and_repeated_values(tmp_path: Path) -> None:
     (tmp_path / "scores.json").write_text('{"pooled": {"count_error": 0.004}}')
     arguments = ["--profile", "saturation,saturation", "--choosers", "naive,naive", "--trials", "4", "--no-figures"]
@@ -983,6 +986,7 @@ def test_scores_random_numbers_and_repeated_values(tmp_path: Path) -> None:
         assert float(row["vehicles_in"]) == pytest.approx(4 * float(row["vehicles"]), abs=1e-6)
 
 
+@pytest.mark.experiments
 def test_a_number_of_vehicles_asked_for_twice_is_run_once(tmp_path: Path) -> None:
     arguments = ["--profile", "paper", "--choosers", "fixed", "--trials", "2", "--no-figures", "--vehicles", "200,200"]
     done = host_sim("experiment", *arguments, "--out", str(tmp_path / "out"))

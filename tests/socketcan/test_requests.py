@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+"""Requests that the programs of the port refuse before they ask for a bus, so that none is needed here."""
+
+from __future__ import annotations
+
+import pytest
+from bus import SITE, refused
+
+BOTH = ("elmopp-controller", "elmopp-lamp-node")
+BREAKS = ("stuck:N1:green", "stuck:X:green@5", "lose:0@5", "late:x@5", "melt@5", "stuck:0:blue@5", "")
+
+
+@pytest.mark.parametrize("program", BOTH)
+def test_a_site_that_never_drives_lamps(program: str) -> None:
+    assert "simulation_only" in refused(program, "--can", "vcan77", "--site", "sites/paper.toml")
+
+
+@pytest.mark.parametrize("program", BOTH)
+def test_a_site_that_is_not_there(program: str) -> None:
+    assert "cannot be read" in refused(program, "--can", "vcan77", "--site", "none.bin")
+
+
+def test_another_clock() -> None:
+    said = refused("elmopp-controller", "--can", "vcan77", "--site", SITE, "--clock", "wall")
+    assert "right would be real or bus" in said
+
+
+def test_a_node_without_groups() -> None:
+    assert "--node 5" in refused("elmopp-lamp-node", "--can", "vcan77", "--site", SITE, "--node", "5")
+
+
+@pytest.mark.parametrize("text", BREAKS)
+def test_what_does_not_break(text: str) -> None:
+    said = refused("elmopp-lamp-node", "--can", "vcan77", "--site", SITE, "--break", text)
+    assert "--break" in said and "right would be" in said
