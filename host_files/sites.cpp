@@ -4,16 +4,15 @@
 #include "sites.hpp"
 
 #include "error.hpp"
+#include "temporary_folder.hpp"
 
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <system_error>
 #include <vector>
 
 namespace elmopp {
@@ -49,32 +48,6 @@ elmopp_junction_t load_image(const fs::path &file) {
         throw BadRequest("--site " + file.string() + ": " + error.what());
     }
 }
-
-/// A folder of our own that goes when it is done with.
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        std::string pattern = (fs::temp_directory_path() / "elmopp-site-XXXXXX").string();
-        if (mkdtemp(pattern.data()) == nullptr) {
-            throw Failure("no temporary folder in " + fs::temp_directory_path().string());
-        }
-        path_ = pattern;
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder &) = delete;
-    TemporaryFolder &operator=(const TemporaryFolder &) = delete;
-    TemporaryFolder(TemporaryFolder &&) = delete;
-    TemporaryFolder &operator=(TemporaryFolder &&) = delete;
-    [[nodiscard]] const fs::path &path() const {
-        return path_;
-    }
-
-  private:
-    fs::path path_;
-};
 
 } // namespace
 

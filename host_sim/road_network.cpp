@@ -6,21 +6,17 @@
 #include "csv.hpp"
 #include "error.hpp"
 #include "sites.hpp"
+#include "temporary_folder.hpp"
 #include "turns.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <optional>
 
 namespace elmopp {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr double most_in_a_row = 16.0;
 
@@ -196,17 +192,11 @@ NetworkText of_json(const nlohmann::json &json) {
 
 /// The file by way of tools/network.
 nlohmann::json json_of(const std::string &file) {
-    std::string pattern = (fs::temp_directory_path() / "elmopp-network-XXXXXX").string();
-    const int descriptor = mkstemp(pattern.data());
-    if (descriptor < 0) {
-        throw Failure("no temporary file in " + fs::temp_directory_path().string());
-    }
-    close(descriptor);
-    const ToolResult result = run_tool("network", {file, "--json", pattern});
-    std::ifstream stream(pattern);
+    const TemporaryFolder folder;
+    const std::filesystem::path read = folder.path() / "network.json";
+    const ToolResult result = run_tool("network", {file, "--json", read.string()});
+    std::ifstream stream(read);
     const auto json = nlohmann::json::parse(stream, nullptr, false);
-    std::error_code ignored;
-    fs::remove(pattern, ignored);
     if (result.exit_code != 0 || json.is_discarded()) {
         throw BadRequest("--network " + file + ": " + result.last_line);
     }
