@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+
+from elmopp_tools.paired import half_width
 
 Series = NDArray[np.float64]
 
@@ -47,7 +48,6 @@ REBOUND_SHARE = 0.5
 REBOUND_STRETCH = 2
 
 LAGS = 8
-CONFIDENCE = 0.95
 JUDGED_HORIZON = 60
 DIGITS = 4  # of what is written down
 
@@ -208,11 +208,9 @@ class Difference:
 
 def paired_difference(ours: Sequence[float], theirs: Sequence[float]) -> Difference:
     """Ours minus theirs, seed by seed; below 0 is for us."""
-    each = np.subtract(ours, theirs)
-    mean = float(each.mean())
-    quantile = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, each.size - 1))
-    half_width = quantile * float(each.std(ddof=1)) / float(np.sqrt(each.size))
-    return Difference(mean, mean - half_width, mean + half_width)
+    each = np.subtract(ours, theirs).tolist()
+    mean, half = float(np.mean(each)), half_width(each)
+    return Difference(mean, mean - half, mean + half)
 
 
 def verdict(three: Sequence[float], one: Sequence[float]) -> str:
