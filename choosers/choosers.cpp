@@ -27,8 +27,8 @@ const ChooserKind &find_kind(const std::string &name) {
 }
 
 bool is_switch(const std::string &option) {
-    static const std::array<std::string, 6> switches{"frozen",    "constant-age", "printed-sign",
-                                                     "stage-age", "windowless",   "one-rule"};
+    static const std::array<std::string, 7> switches{"frozen",     "constant-age", "printed-sign", "stage-age",
+                                                     "windowless", "one-rule",     "by-skill"};
     return std::find(switches.begin(), switches.end(), option) != switches.end();
 }
 
@@ -94,7 +94,7 @@ const std::vector<ChooserKind> &chooser_kinds() {
          "the next stage that is cheapest in a model of the coming two minutes",
          false,
          true,
-         {"min=5", "max=60", "horizon=120", "weight=0.5", "red=120", "one-rule"}},
+         {"min=5", "max=60", "horizon=120", "weight=0.5", "red=120", "rows=150", "one-rule", "by-skill"}},
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},
         {"fixed", "fixed times in a covering cycle", true, false, {"green=20"}},

@@ -85,6 +85,7 @@ static void read_options(void) {
     options.taper = next_whole(1U) != 0U;
     options.red_s = (uint16_t)next_whole(UINT16_MAX);
     options.row_weight = next();
+    options.weigh_skill = next_whole(1U) != 0U;
     seconds = next_whole(UINT16_MAX);
     steps = (uint16_t)next_whole(ELMOPP_HORIZON_MAX);
 }

@@ -201,6 +201,71 @@ static void test_rows_are_taken_at_their_weight(void) {
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.4F * 55.0F)), seen.score[0]);
 }
 
+/* Vehicles of two approaches come in every other second; rows of a minute say `said_veh` of the next such second and
+   its complement to the sum of the one after. Returns the weight of the rows after `seconds`. */
+static float weight_after(uint32_t seconds, float said_veh) {
+    static float row_veh[60];
+    start();
+    seen.view.foreseen_steps = 60U;
+    seen.view.foreseen_veh[0] = row_veh;
+    seen.view.foreseen_veh[1] = row_veh;
+    for (uint32_t t = 0U; t < seconds; t++) {
+        const bool comes = (t % 2U) == 0U;
+        for (uint32_t k = 0U; k < 60U; k++) {
+            row_veh[k] = (((t + k) % 2U) == 1U) ? said_veh : (1.0F - said_veh);
+        }
+        seen.arrivals_veh[0] = comes ? 1.0F : 0.0F;
+        seen.arrivals_veh[1] = seen.arrivals_veh[0];
+        (void)ask_in(0U, 50U);
+    }
+    return rollout.row_weight;
+}
+
+static void test_rows_that_come_true_count_in_full(void) {
+    options.weigh_skill = true;
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 1.0F, weight_after(200U, 1.0F));
+}
+
+/* Wrong by 0.1 where the mean is wrong by 0.5: a skill of 1 - 0.01 / 0.25, and 0.98 with the least of 0.5. */
+static void test_rows_count_by_what_they_have_been_better_than_the_mean(void) {
+    options.weigh_skill = true;
+    TEST_ASSERT_FLOAT_WITHIN(0.002F, 0.98F, weight_after(600U, 0.9F));
+}
+
+static void test_rows_that_are_no_better_than_the_mean_keep_the_least_weight(void) {
+    options.weigh_skill = true;
+    TEST_ASSERT_FLOAT_WITHIN(0.005F, 0.5F, weight_after(600U, 0.5F));
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, weight_after(600U, 0.0F));
+}
+
+static void test_skill_is_known_after_a_minute_of_comparing(void) {
+    options.weigh_skill = true;
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, weight_after(ELMOPP_ACCOUNT_PROBE_S + 59U, 1.0F));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 1.0F, weight_after(ELMOPP_ACCOUNT_PROBE_S + 60U, 1.0F));
+}
+
+/* 0.4 a second in the rows for 3 s at half weight, then the mean, which is nobody: in the queue for 10, 9 and 8 s. */
+static void test_rows_are_read_as_far_as_asked(void) {
+    static float row_veh[SHORT_S];
+    options.rows_s = 3U;
+    look_ten_seconds_ahead();
+    TEST_ASSERT_EQUAL_UINT16(3U, chooser.horizon_s);
+    for (uint32_t t = 0U; t < SHORT_S; t++) {
+        row_veh[t] = 0.4F;
+    }
+    seen.view.foreseen_steps = SHORT_S;
+    seen.view.foreseen_veh[0] = row_veh;
+    seen.view.foreseen_veh[1] = row_veh;
+    seen.share[0] = 0.0F;
+    set_queues(0.0F, 2.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 27.0F)), seen.score[0]);
+}
+
+static void test_unless_asked_for_the_weight_is_fixed(void) {
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, weight_after(200U, 1.0F));
+}
+
 static void test_a_row_that_is_no_number_is_nobody(void) {
     static float row_veh[SHORT_S];
     look_ten_seconds_ahead();
@@ -416,6 +481,12 @@ int main(void) {
     RUN_TEST(test_far_seconds_weigh_less);
     RUN_TEST(test_a_stage_that_nobody_asks_for_is_not_tried);
     RUN_TEST(test_rows_are_taken_at_their_weight);
+    RUN_TEST(test_rows_that_come_true_count_in_full);
+    RUN_TEST(test_rows_count_by_what_they_have_been_better_than_the_mean);
+    RUN_TEST(test_rows_that_are_no_better_than_the_mean_keep_the_least_weight);
+    RUN_TEST(test_skill_is_known_after_a_minute_of_comparing);
+    RUN_TEST(test_rows_are_read_as_far_as_asked);
+    RUN_TEST(test_unless_asked_for_the_weight_is_fixed);
     RUN_TEST(test_a_row_that_is_no_number_is_nobody);
     RUN_TEST(test_without_rows_the_mean_of_the_arrivals_counts_half);
     RUN_TEST(test_who_drives_is_queued_when_he_arrives);

@@ -11,6 +11,7 @@
 #define DS_PER_S 10.0F
 #define NOBODY_VEH 0.01F   /* for the rule: less is rounding, and must not call for a change */
 #define ROW_MAX_VEH 1.0e6F /* more in a second is no forecast */
+#define SKILL_MIN_S 60U    /* compared for so long before skill counts */
 
 /* A first action and the rule that follows it. */
 typedef struct {
@@ -30,7 +31,9 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                                       .rule_count = 2U,
                                       .hold_s = {1U, 3U, 6U},
                                       .ratio = {3.0F, 6.0F},
+                                      .rows_s = ELMOPP_HORIZON_MAX,
                                       .row_weight = 0.5F,
+                                      .weigh_skill = false,
                                       .mean_weight = 0.5F,
                                       .blocked_share = 0.5F,
                                       .yellow_used_s = 1.0F};
@@ -74,15 +77,55 @@ static void know(elmopp_rollout_t *self, const elmopp_junction_t *junction) {
 
 /* --- who comes, once a decision --- */
 
+/* What a row says of a step: never less than nobody, and a NaN is nobody. */
+static float said_veh(const elmopp_view_t *view, uint32_t approach, uint32_t row) {
+    const float veh = view->foreseen_veh[approach][row];
+    return (veh > 0.0F) ? elmopp_lesser(veh, ROW_MAX_VEH) : 0.0F;
+}
+
+/* Compares what rows said of this second with who came, and enters what they say now. */
+static void keep_account(elmopp_rollout_t *self, const elmopp_view_t *view) {
+    const elmopp_junction_t *junction = self->junction;
+    float came_veh[ELMOPP_APPROACH_MAX] = {0.0F};
+    float mean_veh[ELMOPP_APPROACH_MAX] = {0.0F};
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        came_veh[junction->movement[j].approach] += view->arrivals_veh[j];
+        mean_veh[junction->movement[j].approach] += self->sight.mean_veh_per_s[j];
+    }
+    elmopp_account_settle(&self->account, came_veh, junction->approach_count);
+    if (view->foreseen_steps >= ELMOPP_ACCOUNT_PROBE_S) {
+        elmopp_account_probe_t *page = elmopp_account_page(&self->account);
+        for (uint32_t i = 0U; i < junction->approach_count; i++) {
+            page->forecast_veh[i] = said_veh(view, i, ELMOPP_ACCOUNT_PROBE_S - 1U);
+            page->persistence_veh[i] = came_veh[i];
+            page->mean_veh[i] = mean_veh[i];
+        }
+        page->said = true;
+    }
+}
+
+/* How much of what the mean misses the rows have said lately: 0 nothing, 1 all. */
+static float skill_of(const elmopp_account_error_t *error) {
+    const bool better = (error->compared_s >= SKILL_MIN_S) && (error->forecast < error->mean);
+    return better ? (1.0F - (error->forecast / error->mean)) : 0.0F;
+}
+
+static void weigh_rows(elmopp_rollout_t *self, const elmopp_view_t *view) {
+    const float least = self->options.row_weight;
+    self->row_weight = least;
+    if (self->options.weigh_skill) {
+        keep_account(self, view);
+        self->row_weight = least + ((1.0F - least) * skill_of(&self->account.error));
+    }
+}
+
 /* Who reaches the queue in second `step`, beyond the reach: a row's value or the mean. */
 static float foreseen(const elmopp_rollout_t *self, const elmopp_view_t *view, uint32_t movement, uint32_t step) {
     const uint32_t row = step - self->options.sight.travel_s;
-    if (row >= view->foreseen_steps) {
+    if ((row >= view->foreseen_steps) || (row >= self->options.rows_s)) {
         return self->expected_veh_per_s[movement];
     }
-    const float said_veh = view->foreseen_veh[self->junction->movement[movement].approach][row];
-    const float came_veh = (said_veh > 0.0F) ? elmopp_lesser(said_veh, ROW_MAX_VEH) : 0.0F; /* a NaN is nobody */
-    return self->options.row_weight * view->share[movement] * came_veh;
+    return self->row_weight * view->share[movement] * said_veh(view, self->junction->movement[movement].approach, row);
 }
 
 /* The queue and who comes before each second. Who is hidden behind a full reach comes as fast as a queue can. */
@@ -397,6 +440,7 @@ static elmopp_stage_t choose_by_rollout(void *state, const elmopp_view_t *view, 
         score[s] = 0.0F;
     }
     elmopp_sight_observe(&self->sight, view);
+    weigh_rows(self, view);
     elmopp_stage_t wanted;
     if (view->stage < self->junction->stage_count) {
         wanted = decide_by_cost(self, view, score);
@@ -429,6 +473,7 @@ elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollou
     *self = (elmopp_rollout_t){.options = *options};
     const uint16_t travel_s = options->sight.travel_s;
     /* Who is seen at the edge of the reach now arrives travel_s later: rows beyond the horizon are of no use. */
-    const uint16_t rows_s = (options->horizon_s > travel_s) ? (uint16_t)(options->horizon_s - travel_s) : 0U;
+    const uint16_t useful_s = (options->horizon_s > travel_s) ? (uint16_t)(options->horizon_s - travel_s) : 0U;
+    const uint16_t rows_s = (useful_s < options->rows_s) ? useful_s : options->rows_s;
     return (elmopp_chooser_t){.choose = choose_by_rollout, .state = self, .horizon_s = rows_s};
 }

@@ -118,6 +118,19 @@ def lived(source: random.Random, site: Any, with_rows: bool) -> list[Second]:
     return seconds
 
 
+def let_come_true(source: random.Random, site: Any, seconds: list[Second]) -> None:
+    """Writes into the rows who will come, more or less."""
+    wrong = source.choice([0.0, 0.1, 0.4])
+    came = [
+        [sum(second.arrived[j] for j in range(len(site.approach)) if site.approach[j] == i) for second in seconds]
+        for i in range(3)
+    ]
+    for t, second in enumerate(seconds):
+        for i in range(3):
+            coming = came[i][t + 1 : t + 61]
+            second.rows[i][: len(coming)] = [single(max(c + source.gauss(0.0, wrong), 0.0)) for c in coming]
+
+
 def make_case(seed: int) -> Case:
     source = random.Random(f"rollout {seed}")
     site, amber, intergreen = junction(source)
@@ -128,7 +141,11 @@ def make_case(seed: int) -> Case:
         r_trig=source.choice([0, 60, 120, 1000]),
         f_rows=source.choice([0.5, 1.0]),
     )
-    return Case(site, setting, amber, intergreen, lived(source, site, source.random() < 0.4))
+    seconds = lived(source, site, source.random() < 0.4)
+    setting.by_skill = source.random() < 0.8
+    if seconds[0].rows and source.random() < 0.6:
+        let_come_true(source, site, seconds)
+    return Case(site, setting, amber, intergreen, seconds)
 
 
 def numbers_of(case: Case) -> list[float]:
@@ -139,7 +156,7 @@ def numbers_of(case: Case) -> list[float]:
         numbers += [site.saturation[j], 10 * site.startup[j], site.capacity[j], site.lanes[j], site.approach[j]]
         numbers += [case.amber_ds[j], *case.intergreen_ds[j]]
     numbers += site.stages
-    numbers += [setting.travel, setting.horizon, setting.taper, setting.r_trig, setting.f_rows]
+    numbers += [setting.travel, setting.horizon, setting.taper, setting.r_trig, setting.f_rows, setting.by_skill]
     numbers += [len(case.seconds), len(case.seconds[0].rows[0]) if case.seconds[0].rows else 0]
     for second in case.seconds:
         numbers += [second.stage, second.target, 10 * second.elapsed_s]
@@ -166,6 +183,7 @@ def said_by_the_reference(case: Case) -> tuple[int, dict[int, float], list[int]]
         stage = second.stage if shown else REFERENCE.NEVER
         going = case.site.stages[stage] if shown else 0
         reference.observe(second.present, second.arrived, stage, second.elapsed_s, going)
+        reference.judge(second.arrived, second.rows)
     last = case.seconds[-1]
     stage, values = reference.decide(last.stage, last.elapsed_s, last.rows, last.share)
     return stage, values, reference.red
@@ -185,3 +203,15 @@ def test_the_core_finds_the_costs_of_the_reference(seed: int) -> None:
 def test_most_cases_are_decided_by_costs() -> None:
     tried = [len(said_by_the_reference(make_case(seed))[1]) for seed in range(0, CASES, 4)]
     assert sum(count >= 2 for count in tried) > len(tried) * 0.6
+
+
+def test_in_some_cases_the_rows_have_earned_their_weight() -> None:
+    weights = []
+    for seed in range(CASES):
+        case = make_case(seed)
+        reference = REFERENCE.Rollout(case.site, case.setting)
+        for second in case.seconds:
+            reference.observe(second.present, second.arrived, REFERENCE.NEVER, second.elapsed_s, 0)
+            reference.judge(second.arrived, second.rows)
+        weights.append(reference.row_weight())
+    assert sum(0.5 < weight < 1.0 for weight in weights) >= 5

@@ -5,7 +5,8 @@
 Every loop is written out as the specification has it: queues are stepped second by second, arrivals kept one by one,
 sums taken anew. Where the firmware's header departs from the pseudo-code, so does this: the clock on red restarts on a
 departure; a stage serves a movement if all its groups are in it; nobody is hidden without a reach; a second teaches one
-vehicle a lane at most; the reactive rule is pressure's, asked in every modelled second after the hold.
+vehicle a lane at most; the reactive rule is pressure's, asked in every modelled second after the hold; rows weigh more
+than half as far as they have been better than the mean.
 """
 
 from __future__ import annotations
@@ -54,6 +55,7 @@ class Setting:
     r_trig: int = 120
     f_rows: float = 0.5
     f_mean: float = 0.5
+    by_skill: bool = True
 
 
 @dataclass
@@ -77,6 +79,9 @@ class Rollout:
         self.hid = [0.0] * count
         self.red = [0] * count
         self.idle = [0] * count
+        self.told: list[tuple[list[float], list[float]] | None] = []  # what rows and mean said of 30 s later
+        self.squares = (0.0, 0.0)
+        self.judged = 0
         self.ring = [[0.0] * self.setting.travel for _ in range(count)]  # oldest first
         self.num = [[0.0] * count for _ in range(stages)]
         self.den = [[0.0] * count for _ in range(stages)]
@@ -116,6 +121,27 @@ class Rollout:
             self.red[lane] = 0
         elif n_new > 0.0 or self.red[lane] > 0:
             self.red[lane] += 1
+
+    def judge(self, arrived: list[float], rows: list[list[float]]) -> None:
+        """What was said 30 s ago against what came; what is said now for later. After observe()."""
+        approaches = range(max(self.site.approach) + 1 if not rows else len(rows))
+        by_approach = [
+            [sum(values[j] for j in range(len(arrived)) if self.site.approach[j] == i) for i in approaches]
+            for values in (arrived, self.lam)
+        ]
+        before = self.told[-30] if len(self.told) >= 30 else None
+        if before is not None:
+            self.judged += 1
+            errors = [sum((s - c) ** 2 for s, c in zip(said, by_approach[0], strict=True)) for said in before]
+            weight = min(self.judged, 300)
+            old, mean = self.squares
+            self.squares = (old + (errors[0] - old) / weight, mean + (errors[1] - mean) / weight)
+        self.told.append(([max(row[29], 0.0) for row in rows], by_approach[1]) if rows else None)
+
+    def row_weight(self) -> float:
+        said, mean = self.squares
+        skill = 1.0 - said / mean if self.setting.by_skill and self.judged >= 60 and said < mean else 0.0
+        return self.setting.f_rows + (1.0 - self.setting.f_rows) * skill
 
     def _learn(self, stage: int, lane: int, dep: float) -> None:
         prior = self.s[lane]
@@ -160,7 +186,7 @@ class Rollout:
         return sum(n * sat for n, sat in zip(self.n, self.sat[stage], strict=True))
 
     def _expect(self, rows: list[list[float]], share: list[float]) -> None:
-        travel, self.a = self.setting.travel, []
+        travel, weight, self.a = self.setting.travel, self.row_weight(), []
         hid = list(self.hid)
         for k in range(self.setting.horizon):
             second = []
@@ -170,7 +196,7 @@ class Rollout:
                     continue
                 row = rows[self.site.approach[lane]] if rows else []
                 come = (
-                    self.setting.f_rows * share[lane] * row[k - travel]
+                    weight * share[lane] * row[k - travel]
                     if k - travel < len(row)
                     else self.setting.f_mean * self.lam[lane]
                 )

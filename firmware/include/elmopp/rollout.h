@@ -10,10 +10,14 @@
 ///
 /// The model. A queue stands at the stop line of each movement. Who drives reaches it when he must (sight.h), who will
 /// come is foreseen: the view's rows at row_weight, each movement with its share, or, without rows, the mean of the
-/// arrivals at mean_weight. A green queue leaves with the flow that the stage was seen to give it, or after the
-/// junction's discharge law where that depends on the queue; half as fast while it is blocked. A change of stage takes
-/// the site's intergreen, of whose amber yellow_used_s are still driven, and the start-up of what is newly green: the
-/// price of a change is worked out, never set.
+/// arrivals at mean_weight. Half, because who may come is not who will: counted in full he keeps greens for nobody.
+/// With weigh_skill the weight of the rows nears 1 as they come true: an account (account.h) of what they said 30 s
+/// ahead gives the skill 1 - MSE of the rows / MSE of the mean, never below 0, and the weight is
+/// row_weight + (1 - row_weight) skill. It is off: a gain with an oracle, none with a forecast (docs/measurements.md).
+/// A green queue leaves with the flow that the stage was seen to give it, or after the junction's discharge law where
+/// that depends on the queue; half as fast while it is blocked. A change of stage takes the site's intergreen, of whose
+/// amber yellow_used_s are still driven, and the start-up of what is newly green: the price of a change is worked out,
+/// never set.
 ///
 /// The reactive rule is that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of
 /// queue times flow when that is more than ratio times the own one's; at max_s leave anyway. Two ratios are played and
@@ -32,11 +36,12 @@
 ///
 /// The idea is rollout over base policies (Bertsekas); why these, and what was tried: docs/design.md.
 ///
-/// Its state is fixed memory that the caller owns: about 30 kB. Not thread-safe; one owner.
+/// Its state is fixed memory that the caller owns: about 33 kB. Not thread-safe; one owner.
 
 #ifndef ELMOPP_ROLLOUT_H
 #define ELMOPP_ROLLOUT_H
 
+#include "elmopp/account.h"
 #include "elmopp/chooser.h"
 #include "elmopp/sight.h"
 
@@ -55,7 +60,9 @@ typedef struct {
     uint8_t rule_count;                       ///< of ratio, at least 1
     uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX]; ///< how long the stage shown may be kept before the rule decides; >= 1
     float ratio[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much more another stage must press for the rule; at least 1
-    float row_weight;                         ///< of the foreseen rows, 0 to 1
+    uint16_t rows_s;                          ///< foreseen rows are read so far; the mean follows
+    float row_weight;                         ///< of the foreseen rows, 0 to 1; with weigh_skill at least
+    bool weigh_skill;                         ///< up to 1 as they come true; false: row_weight whatever comes
     float mean_weight;                        ///< of the mean arrivals, 0 to 1
     float blocked_share;                      ///< of its flow, for a movement that is blocked
     float yellow_used_s;                      ///< of the amber, still driven; 0 or more
@@ -80,6 +87,8 @@ typedef struct {
     elmopp_rollout_options_t options;
     const elmopp_junction_t *junction; ///< of the first view; null before
     elmopp_sight_t sight;
+    elmopp_account_t account; ///< of the rows
+    float row_weight;         ///< of the rows now
     elmopp_rollout_future_t future;
     uint8_t served_count[ELMOPP_STAGE_MAX];                          ///< movements that a stage lets go ...
     uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];           ///< ... and which
@@ -90,7 +99,8 @@ typedef struct {
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
 } elmopp_rollout_t;
 
-/// The measured setting: horizon 120 s, holds 1, 3 and 6 s, ratios 3 and 6, green 5 to 60 s, red 120 s.
+/// The measured setting: horizon 120 s, rows at half weight, holds 1, 3 and 6 s, ratios 3 and 6, green 5 to 60
+/// s, red 120 s.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
