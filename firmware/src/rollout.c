@@ -86,8 +86,12 @@ static float said_veh(const elmopp_view_t *view, uint32_t approach, uint32_t row
 /* Compares what rows said of this second with who came, and enters what they say now. */
 static void keep_account(elmopp_rollout_t *self, const elmopp_view_t *view) {
     const elmopp_junction_t *junction = self->junction;
-    float came_veh[ELMOPP_APPROACH_MAX] = {0.0F};
-    float mean_veh[ELMOPP_APPROACH_MAX] = {0.0F};
+    float came_veh[ELMOPP_APPROACH_MAX];
+    float mean_veh[ELMOPP_APPROACH_MAX];
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        came_veh[i] = 0.0F;
+        mean_veh[i] = 0.0F;
+    }
     for (uint32_t j = 0U; j < junction->movement_count; j++) {
         came_veh[junction->movement[j].approach] += view->arrivals_veh[j];
         mean_veh[junction->movement[j].approach] += self->sight.mean_veh_per_s[j];

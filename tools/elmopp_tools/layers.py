@@ -52,7 +52,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
-    "rollout": LEVEL_0 | {"sight"},
+    "rollout": LEVEL_0 | {"account", "sight"},
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link"},
     # the other side of the bus, a device of its own
