@@ -181,10 +181,9 @@ static void test_a_stage_that_nobody_asks_for_is_not_tried(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[2]);
 }
 
-/* 0.4 vehicles a second at half weight: the second queue is 2.2, 2.4, ... 4. */
-static void test_rows_are_taken_at_their_weight(void) {
+/* Two wait on red, and 0.4 a second are foreseen to join them for ten seconds. */
+static void ask_with_rows(void) {
     static float row_veh[SHORT_S];
-    look_ten_seconds_ahead();
     for (uint32_t t = 0U; t < SHORT_S; t++) {
         row_veh[t] = 0.4F;
     }
@@ -194,6 +193,12 @@ static void test_rows_are_taken_at_their_weight(void) {
     seen.share[0] = 0.0F;
     set_queues(0.0F, 2.0F, 0.0F);
     (void)ask_in(0U, 50U);
+}
+
+/* 0.4 vehicles a second at half weight: the second queue is 2.2, 2.4, ... 4. */
+static void test_rows_are_taken_at_their_weight(void) {
+    look_ten_seconds_ahead();
+    ask_with_rows();
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 55.0F)), seen.score[0]);
     options.row_weight = 1.0F;
     chooser = elmopp_rollout_init(&rollout, &options);
@@ -246,19 +251,10 @@ static void test_skill_is_known_after_a_minute_of_comparing(void) {
 
 /* 0.4 a second in the rows for 3 s at half weight, then the mean, which is nobody: in the queue for 10, 9 and 8 s. */
 static void test_rows_are_read_as_far_as_asked(void) {
-    static float row_veh[SHORT_S];
     options.rows_s = 3U;
     look_ten_seconds_ahead();
     TEST_ASSERT_EQUAL_UINT16(3U, chooser.horizon_s);
-    for (uint32_t t = 0U; t < SHORT_S; t++) {
-        row_veh[t] = 0.4F;
-    }
-    seen.view.foreseen_steps = SHORT_S;
-    seen.view.foreseen_veh[0] = row_veh;
-    seen.view.foreseen_veh[1] = row_veh;
-    seen.share[0] = 0.0F;
-    set_queues(0.0F, 2.0F, 0.0F);
-    (void)ask_in(0U, 50U);
+    ask_with_rows();
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 27.0F)), seen.score[0]);
 }
 
