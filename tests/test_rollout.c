@@ -206,8 +206,8 @@ static void test_rows_are_taken_at_their_weight(void) {
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.4F * 55.0F)), seen.score[0]);
 }
 
-/* Vehicles of two approaches come in every other second; rows of a minute say `said_veh` of the next such second and
-   its complement to the sum of the one after. Returns the weight of the rows after `seconds`. */
+/* Vehicles of two approaches come in every other second; rows of a minute say `said_veh` of those
+   seconds and 1 - `said_veh` of the others. Returns the weight of the rows after `seconds`. */
 static float weight_after(uint32_t seconds, float said_veh) {
     static float row_veh[60];
     start();

@@ -99,8 +99,8 @@ typedef struct {
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
 } elmopp_rollout_t;
 
-/// The measured setting: horizon 120 s, rows at half weight, holds 1, 3 and 6 s, ratios 3 and 6, green 5 to 60
-/// s, red 120 s.
+/// The measured setting: horizon 120 s, rows at half weight, holds 1, 3 and 6 s, ratios 3 and 6, green 5 to
+/// 60 s, red 120 s.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
