@@ -3,7 +3,7 @@
 
 """Controller, lamp node and simulator on real sockets, and what goes wrong on a bus. tests/socketcan/run starts it.
 
-Without cameras a controller runs its fixed times: enough for lamps. Times are generous: an emulator runs this.
+Without cameras a controller runs its fixed times: enough for lamps. A second is one of the virtual machine's.
 """
 
 import contextlib
@@ -41,9 +41,9 @@ from bus import (
 )
 
 STEADY = "fixed_time"
-START_TRIES = 4
 BUS_OFF, RESTARTED, CONTROLLER = 0x40, 0x100, 0x04
 ERROR_FLAG = 0x20000000
+FLOOD_PER_S = 4000  # about what 500 kbit/s carries
 COLOURED = {2, 3, 4}  # red-amber, green, amber
 
 
@@ -62,40 +62,25 @@ class Junction:
     node: Program
     program: Program
 
-    def is_steady(self) -> bool:
-        """Whether it is in its steady mode, now or at the end of its start-up; false if a fault has ended that."""
-        self.bus.clear()
-        wanted = {STEADY, "fail_safe"}
-        status = self.bus.until(STATUS, lambda frame: frame.mode in wanted, 90.0, "the end of the start-up")
-        return status.mode == STEADY
-
 
 class Junctions:
-    """All that are needed, started together: a start-up takes seconds.
-
-    Where the machine stands still for 300 ms, as a virtual one does whose host is busy, a lamp node flashes and the
-    controller with it, as they must. Whoever asks for a junction then gets it started again.
-    """
+    """All that are needed, started together: a start-up takes seconds."""
 
     def __init__(self, stack: contextlib.ExitStack, *names: str) -> None:
-        self._stack = stack
-        for name in names:
-            stack.enter_context(interface(name))
-        self._made = {name: self._make(name) for name in names}
+        self._made = {name: self._make(stack, name) for name in names}
 
-    def _make(self, name: str) -> Junction:
-        node, program = (self._stack.enter_context(start(name)) for start in (lamp_node, controller))
+    @staticmethod
+    def _make(stack: contextlib.ExitStack, name: str) -> Junction:
+        stack.enter_context(interface(name))
+        node, program = (stack.enter_context(start(name)) for start in (lamp_node, controller))
         return Junction(name, Bus(name), node, program)
 
     def steady(self, name: str) -> Junction:
         """The junction in its steady mode."""
-        for _ in range(START_TRIES):
-            if self._made[name].is_steady():
-                return self._made[name]
-            self._made[name].program.stop()
-            self._made[name].node.stop()
-            self._made[name] = self._make(name)
-        pytest.fail(f"{name} did not come up in {START_TRIES} tries")
+        junction = self._made[name]
+        junction.bus.clear()
+        junction.bus.mode(STEADY)
+        return junction
 
 
 @pytest.fixture(scope="session")
@@ -110,7 +95,7 @@ def street() -> Iterator[subprocess.Popen[str]]:
     """host_sim in real time, beside everything else: it takes most of a minute."""
     with interface("real0") as name, lamp_node(name), controller(name):
         time.sleep(1.0)
-        words = ["run", "--site", SITE, "--link", f"can:{name}", "--clock", "real", "--seconds", "15"]
+        words = ["run", "--site", SITE, "--link", f"can:{name}", "--clock", "real", "--seconds", "60"]
         with subprocess.Popen(
             [str(PROGRAMS / "host_sim"), *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=ROOT
         ) as simulator:
@@ -299,7 +284,7 @@ def sent_frames(name: str) -> int:
 
 @contextlib.contextmanager
 def flood(name: str) -> Iterator[None]:
-    """About what 500 kbit/s carries, of a Command that the controller listens to and refuses: its checksum is wrong."""
+    """More than 500 kbit/s carries, of a Command that the controller listens to and refuses: its checksum is wrong."""
     rubbish = (sealed(COMMAND, 3)[:7] + b"\x55").hex()
     words = ["cangen", name, "-g", "1", "-I", f"{COMMAND:03X}", "-L", "8", "-D", rubbish]
     generators = [subprocess.Popen(words) for _ in range(6)]
@@ -312,6 +297,7 @@ def flood(name: str) -> Iterator[None]:
             generator.kill()
             generator.wait()
         (OUT / "flood.txt").write_text(f"{per_s:.0f} frames/s\n")
+    assert per_s > FLOOD_PER_S
 
 
 def test_a_flooded_bus_does_not_keep_the_lamps_waiting() -> None:
@@ -324,6 +310,7 @@ def test_a_flooded_bus_does_not_keep_the_lamps_waiting() -> None:
             gaps_ms = [1000 * (b - a) for a, b in itertools.pairwise(times)]
             (OUT / "flood_gaps.txt").write_text("\n".join(f"{gap:.1f}" for gap in gaps_ms) + "\n")
             assert len(times) >= 75, len(times)
+            assert max(gaps_ms) < 150.0
             assert 95.0 < statistics.median(gaps_ms) < 105.0
             status = bus.until(STATUS, bool, 3.0, "a status")
             assert (status.mode, status.fault) == (STEADY, "none")
@@ -360,4 +347,5 @@ def test_another_bit_rate_is_refused() -> None:
 def test_a_simulated_street_in_real_time_has_figures_of_its_own(street: subprocess.Popen[str]) -> None:
     said, _ = street.communicate(timeout=120)
     assert street.returncode == 0, said
-    assert '"seconds": 15' in said
+    (OUT / "street.txt").write_text(said)
+    assert '"seconds": 60' in said

@@ -155,9 +155,7 @@ def count_tests(preset: str, junit: Path, allowed: dict[tuple[str, str], str], t
 def run_tests(preset: str, nightly: bool, allowed: dict[tuple[str, str], str], tally: Tally) -> None:
     name = f"{preset}: test"
     junit = REPORTS / f"{preset}.junit.xml"
-    # Beside the others of release there is a virtual machine, which waits a third of its time.
-    jobs = JOBS + 1 if preset == "release" else JOBS
-    command = ["ctest", "--test-dir", f"build/{preset}", "--parallel", str(jobs)]
+    command = ["ctest", "--test-dir", f"build/{preset}", "--parallel", str(JOBS)]
     command += ["--output-on-failure", "--no-tests=error", "--output-junit", str(junit)]
     if not nightly:
         command += ["--label-exclude", "^nightly$"]
