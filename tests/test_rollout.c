@@ -74,12 +74,13 @@ static void test_the_defaults_are_those_that_were_measured(void) {
     TEST_ASSERT_EQUAL_UINT16(120U, measured.red_s);
     TEST_ASSERT_EQUAL_UINT16(120U, measured.horizon_s);
     TEST_ASSERT_FALSE(measured.taper);
-    const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 3U, 6U};
+    const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 3U, 10U};
     TEST_ASSERT_EQUAL_UINT16_ARRAY(hold_s, measured.hold_s, measured.hold_count);
     const float ratio[ELMOPP_ROLLOUT_RULE_MAX] = {3.0F, 6.0F};
     TEST_ASSERT_EQUAL_FLOAT_ARRAY(ratio, measured.ratio, measured.rule_count);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.row_weight);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.mean_weight);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.yellow_used_s);
 }
 
 static void test_it_asks_for_the_forecast_that_its_horizon_needs(void) {
@@ -152,14 +153,14 @@ static void test_the_price_of_a_change_decides(void) {
     TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 100U));
 }
 
-/* Kept: the first queue is 2.5, 2, 1.5, 1, 0.5, 0 ..., the second 2 for 10 s. Left: half a vehicle more leaves on
-   amber, then 6 s of intergreen and 2 s of start-up, then 1.5 and 1. */
+/* Kept: the first queue is 2.5, 2, 1.5, 1, 0.5, 0 ..., the second 2 for 10 s. Left: a quarter of a vehicle more
+   leaves in half a second of amber, then 6 s of intergreen and 2 s of start-up, then 1.5 and 1. */
 static void test_a_score_is_minus_the_sum_of_all_queues(void) {
     look_ten_seconds_ahead();
     set_queues(3.0F, 2.0F, 0.0F);
     TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 50U));
     TEST_ASSERT_EQUAL_FLOAT(-(7.5F + 20.0F), seen.score[0]);
-    TEST_ASSERT_EQUAL_FLOAT(-(25.0F + 16.0F + 2.5F), seen.score[1]);
+    TEST_ASSERT_EQUAL_FLOAT(-(27.5F + 16.0F + 2.5F), seen.score[1]);
     TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[2]);
 }
 
@@ -342,24 +343,39 @@ static void test_among_equals_the_lowest_index_wins(void) {
     TEST_ASSERT_EQUAL_UINT8(0U, ask_in(2U, 100U));
 }
 
-/* The queue that goes is so long, and kept so long, that one vehicle would wait to the maximum green. */
-static void test_nobody_is_passed_over_longer_than_the_bound(void) {
+/* One vehicle of the last movement has waited `waited_s`; then many want the second one's stage, and the costs say so.
+ */
+static elmopp_stage_t ask_with_one_waiting(uint32_t waited_s) {
+    start_with_stages(3U);
+    set_queues(90.0F, 0.0F, 1.0F);
+    for (uint32_t t = 1U; t < waited_s; t++) {
+        (void)ask_in(0U, 10U);
+    }
+    set_queues(0.0F, 9.0F, 1.0F);
+    const elmopp_stage_t wanted = ask_in(0U, 300U);
+    TEST_ASSERT_TRUE(seen.score[1] > seen.score[2]);
+    return wanted;
+}
+
+static void test_who_has_waited_too_long_gets_the_next_change(void) {
     options.red_s = 20U;
-    start();
-    set_queues(90.0F, 1.0F, 0.0F);
-    seen.arrivals_veh[0] = 0.5F;
-    for (uint32_t t = 1U; t < 20U; t++) {
-        TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 300U));
-    }
-    TEST_ASSERT_EQUAL_UINT8(1U, ask_in(0U, 300U));
-    expect_no_scores();
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_with_one_waiting(19U));
+    TEST_ASSERT_EQUAL_UINT8(2U, ask_with_one_waiting(20U));
     options.red_s = 0U;
-    start();
-    set_queues(90.0F, 1.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(1U, ask_with_one_waiting(200U));
+}
+
+/* The queue that goes is so long that it is worth its green up to the maximum. */
+static void test_who_has_waited_too_long_cuts_no_green_before_its_maximum(void) {
+    options.red_s = 20U;
+    start_with_stages(3U);
+    set_queues(90.0F, 0.0F, 1.0F);
     seen.arrivals_veh[0] = 0.5F;
-    for (uint32_t t = 1U; t < 200U; t++) {
-        TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 300U));
+    for (uint32_t t = 1U; t < 100U; t++) {
+        TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 590U));
     }
+    set_queues(90.0F, 9.0F, 1.0F);
+    TEST_ASSERT_EQUAL_UINT8(2U, ask_in(0U, 600U));
 }
 
 static void test_of_two_who_are_overdue_the_one_who_waits_longer_is_first(void) {
@@ -371,7 +387,7 @@ static void test_of_two_who_are_overdue_the_one_who_waits_longer_is_first(void) 
     for (uint32_t t = 0U; t < 40U; t++) {
         (void)ask_in(0U, 10U);
     }
-    TEST_ASSERT_EQUAL_UINT8(2U, ask_in(0U, 300U));
+    TEST_ASSERT_EQUAL_UINT8(2U, ask_in(0U, 600U));
 }
 
 static void test_who_is_overdue_and_blocked_does_not_hold_his_green(void) {
@@ -382,7 +398,7 @@ static void test_who_is_overdue_and_blocked_does_not_hold_his_green(void) {
         (void)ask_in(1U, 10U);
     }
     TEST_ASSERT_TRUE(rollout.sight.red_s[1] > 40U); /* green all the time, and nobody has left */
-    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(1U, 300U));
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(1U, 600U));
 }
 
 static void test_a_junction_of_one_stage_keeps_it(void) {
@@ -490,7 +506,8 @@ int main(void) {
     RUN_TEST(test_the_law_of_the_profile_empties_the_modelled_queue);
     RUN_TEST(test_at_max_it_leaves_if_somebody_asks);
     RUN_TEST(test_among_equals_the_lowest_index_wins);
-    RUN_TEST(test_nobody_is_passed_over_longer_than_the_bound);
+    RUN_TEST(test_who_has_waited_too_long_gets_the_next_change);
+    RUN_TEST(test_who_has_waited_too_long_cuts_no_green_before_its_maximum);
     RUN_TEST(test_of_two_who_are_overdue_the_one_who_waits_longer_is_first);
     RUN_TEST(test_who_is_overdue_and_blocked_does_not_hold_his_green);
     RUN_TEST(test_a_junction_of_one_stage_keeps_it);

@@ -29,14 +29,14 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                                       .taper = false,
                                       .hold_count = 3U,
                                       .rule_count = 2U,
-                                      .hold_s = {1U, 3U, 6U},
+                                      .hold_s = {1U, 3U, 10U},
                                       .ratio = {3.0F, 6.0F},
                                       .rows_s = ELMOPP_HORIZON_MAX,
                                       .row_weight = 0.5F,
                                       .weigh_skill = false,
                                       .mean_weight = 0.5F,
                                       .blocked_share = 0.5F,
-                                      .yellow_used_s = 1.0F};
+                                      .yellow_used_s = 0.5F};
 }
 
 /* --- the junction, once --- */
@@ -419,19 +419,21 @@ static elmopp_stage_t cheapest(elmopp_rollout_t *self, const elmopp_view_t *view
     return (best == ELMOPP_STAGE_NONE) ? view->stage : best;
 }
 
+/* The stage of who has been passed over too long; ELMOPP_STAGE_NONE if nobody has, or none serves him. */
+static elmopp_stage_t rescue_from(const elmopp_rollout_t *self, elmopp_stage_t shown) {
+    const uint32_t overdue =
+        (self->options.red_s > 0U) ? overdue_movement(self, shown) : self->junction->movement_count;
+    return (overdue < self->junction->movement_count) ? stage_for(self, overdue) : ELMOPP_STAGE_NONE;
+}
+
 static elmopp_stage_t decide_by_cost(elmopp_rollout_t *self, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     const uint32_t elapsed_s = (uint32_t)view->elapsed_ds / ELMOPP_LAMP_TICKS_PER_S;
     if ((elapsed_s < self->options.min_s) || (!is_somebody_passed_over(self, view->stage))) {
         return view->stage;
     }
-    const uint32_t overdue = overdue_movement(self, view->stage);
-    if ((self->options.red_s > 0U) && (overdue < self->junction->movement_count)) {
-        const elmopp_stage_t rescue = stage_for(self, overdue);
-        if (rescue != ELMOPP_STAGE_NONE) {
-            return rescue;
-        }
-    }
-    return cheapest(self, view, elapsed_s, score);
+    const elmopp_stage_t wanted = cheapest(self, view, elapsed_s, score);
+    const elmopp_stage_t rescue = rescue_from(self, view->stage);
+    return ((wanted != view->stage) && (rescue != ELMOPP_STAGE_NONE)) ? rescue : wanted;
 }
 
 static elmopp_stage_t choose_by_rollout(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {

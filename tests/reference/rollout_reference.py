@@ -4,9 +4,9 @@
 
 Every loop is written out as the specification has it: queues are stepped second by second, arrivals kept one by one,
 sums taken anew. Where the firmware's header departs from the pseudo-code, so does this: the clock on red restarts on a
-departure; a stage serves a movement if all its groups are in it; nobody is hidden without a reach; a second teaches one
-vehicle a lane at most; the reactive rule is pressure's, asked in every modelled second after the hold; rows weigh more
-than half as far as they have been better than the mean.
+departure, and who is overdue gets the next change, not one at once; a stage serves a movement if all its groups are in
+it; nobody is hidden without a reach; a second teaches one vehicle a lane at most; the reactive rule is pressure's,
+asked in every modelled second after the hold; rows weigh more than half as far as they have been better than the mean.
 """
 
 from __future__ import annotations
@@ -48,10 +48,11 @@ class Setting:
     travel: int = 0
     horizon: int = 120
     taper: bool = False
-    holds: tuple[int, ...] = (1, 3, 6)
+    holds: tuple[int, ...] = (1, 3, 10)
     ratios: tuple[float, ...] = (3.0, 6.0)
     g_min: int = 5
     g_max: int = 60
+    yuse: float = 0.5
     r_trig: int = 120
     f_rows: float = 0.5
     f_mean: float = 0.5
@@ -164,11 +165,6 @@ class Rollout:
         waiting = [j for j in lanes if self.n[j] > 0.0 and not self.serves_well(cur, j)]
         if elapsed < self.setting.g_min or not waiting:
             return cur, {}
-        w = max(waiting, key=lambda j: (self.red[j], -j))
-        if self.setting.r_trig and self.red[w] >= self.setting.r_trig:
-            able = [s for s in range(len(self.site.stages)) if self.serves_well(s, w)]
-            if able:
-                return max(able, key=lambda s: (self.sat[s][w], self._weight(s), -s)), {}
         self._expect(rows, share)
         self.sx = [self.sat[cur][j] * (0.5 if self.idle[j] >= 8 else 1.0) for j in lanes]
         values = {}
@@ -180,7 +176,12 @@ class Rollout:
             else:
                 continue
             values[s] = min(self.roll(cur, elapsed, *each) for each in tries)
-        return (min(values, key=lambda s: (values[s], s)) if values else cur), values
+        best = min(values, key=lambda s: (values[s], s)) if values else cur
+        w = max(waiting, key=lambda j: (self.red[j], -j))
+        able = [s for s in range(len(self.site.stages)) if self.serves_well(s, w)]
+        if best != cur and able and self.setting.r_trig and self.red[w] >= self.setting.r_trig:
+            best = max(able, key=lambda s: (self.sat[s][w], self._weight(s), -s))
+        return best, values
 
     def _weight(self, stage: int) -> float:
         return sum(n * sat for n, sat in zip(self.n, self.sat[stage], strict=True))
@@ -217,7 +218,7 @@ class Rollout:
             return c
         if self.site.serves(target, lane):
             return min(c, self._flow(self.sat[target], lane, queue))
-        return c * min(max(1.0 - (self.site.change[g][target] - left), 0.0), 1.0)
+        return c * min(max(self.setting.yuse - (self.site.change[g][target] - left), 0.0), 1.0)
 
     def roll(self, cur: int, elapsed: int, first: int, hold: int, ratio: float) -> float:
         site, lanes, horizon = self.site, range(len(self.n)), self.setting.horizon

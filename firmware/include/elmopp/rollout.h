@@ -24,11 +24,12 @@
 /// the cheaper counts: the small one changes soon, which is right in light traffic, the great one empties its queues
 /// first, which is right where every change costs capacity. That nothing else says which it is, is the point.
 ///
-/// Before that: where nobody waits on red, green rests. A movement that has waited red_s on the chooser's own clock
-/// (sight.h) gets the stage that serves it best, whatever it costs. The wait so bounded is that of a movement, not of a
-/// vehicle: with several overdue one waits for another, and a queue beyond the reach may need two greens. It is a rule
-/// for fairness; the promise about red is the plan's (plan.h). A movement that is blocked for ever takes every second
-/// stage with it as long as it is.
+/// Where nobody waits on red, green rests. A movement that has waited red_s on the chooser's own clock (sight.h) gets
+/// the next change: when the costs say leave, or at max_s, the stage that serves it best follows, wherever they point.
+/// It does not cut the green short, because a cycle that is short of capacity would lose still more of it. So a
+/// movement that is overdue alone waits for red_s, the rest of a green and a change; of several one waits for another,
+/// and a vehicle of a queue beyond the reach may need two greens. It is a rule for fairness; the promise about red is
+/// the plan's (plan.h). A movement that is blocked for ever takes every second stage with it as long as it is.
 ///
 /// What it never does: touch a lamp, look at a route, learn a parameter but the flows of sight.h, ask for a stage that
 /// there is not. Every loop ends at a bound of bounds.h; one decision takes at most
@@ -53,7 +54,7 @@ typedef struct {
     elmopp_sight_options_t sight;             ///< travel_s among them
     uint16_t min_s;                           ///< a stage is never left before; at least 1
     uint16_t max_s;                           ///< ... and left at if another one is asked for
-    uint16_t red_s;                           ///< nobody is passed over for longer; 0: no bound
+    uint16_t red_s;                           ///< who has waited so long is next; 0: no bound
     uint16_t horizon_s;                       ///< 1 to ELMOPP_HORIZON_MAX
     bool taper;                               ///< the weight of a second falls to 0 at the horizon
     uint8_t hold_count;                       ///< of hold_s, at least 1
@@ -99,8 +100,8 @@ typedef struct {
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
 } elmopp_rollout_t;
 
-/// The measured setting: horizon 120 s, rows at half weight, holds 1, 3 and 6 s, ratios 3 and 6, green 5 to
-/// 60 s, red 120 s.
+/// The measured setting: horizon 120 s, rows at half weight, holds 1, 3 and 10 s, ratios 3 and 6, green 5 to
+/// 60 s, red 120 s, half a second of the amber driven.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
