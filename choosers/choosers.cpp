@@ -27,20 +27,22 @@ const ChooserKind &find_kind(const std::string &name) {
 }
 
 bool is_switch(const std::string &option) {
-    static const std::array<std::string, 7> switches{"frozen",     "constant-age", "printed-sign", "stage-age",
-                                                     "windowless", "one-rule",     "by-skill"};
+    static const std::array<std::string, 6> switches{"frozen",    "constant-age", "printed-sign",
+                                                     "stage-age", "windowless",   "one-rule"};
     return std::find(switches.begin(), switches.end(), option) != switches.end();
 }
 
 void check_option(const ChooserKind &kind, const std::string &name, const std::string &value) {
     const auto names_it = [&name](const std::string &option) { return split(option, '=').front() == name; };
-    if (std::none_of(kind.options.begin(), kind.options.end(), names_it)) {
+    const auto listed = std::find_if(kind.options.begin(), kind.options.end(), names_it);
+    if (listed == kind.options.end()) {
         throw BadRequest("unknown option \"" + name + "\" of chooser " + kind.name + "; right would be " +
                          (kind.options.empty() ? "none" : "one of " + join(kind.options, ", ")));
     }
     double number = 0.0;
     const bool good = is_switch(name)        ? value.empty()
                       : value == "unlimited" ? name == "ready" || name == "red"
+                      : value == "by-skill"  ? *listed == "weight=by-skill"
                                              : parse_number(value, number) && number > 0.0;
     if (!good) {
         throw BadRequest("option \"" + name + "\" of chooser " + kind.name + " has value \"" + value +
@@ -94,7 +96,7 @@ const std::vector<ChooserKind> &chooser_kinds() {
          "the next stage that is cheapest in a model of the coming two minutes",
          false,
          true,
-         {"min=5", "max=60", "horizon=120", "weight=0.5", "red=120", "rows=150", "one-rule", "by-skill"}},
+         {"min=5", "max=60", "horizon=120", "weight=by-skill", "red=120", "rows=60", "one-rule"}},
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},
         {"fixed", "fixed times in a covering cycle", true, false, {"green=20"}},

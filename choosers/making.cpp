@@ -164,8 +164,9 @@ elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setti
     std::tie(options.min_s, options.max_s) = rival_window_of(spec, setting);
     options.horizon_s = seconds_or(spec, "horizon", options.horizon_s, 1, ELMOPP_HORIZON_MAX);
     options.rows_s = seconds_or(spec, "rows", options.rows_s, 1, ELMOPP_HORIZON_MAX);
-    options.row_weight = share_or(spec, "weight", options.row_weight);
-    options.weigh_skill = has(spec, "by-skill");
+    const auto weight = spec.options.find("weight");
+    options.weigh_skill = weight == spec.options.end() || weight->second == "by-skill";
+    options.row_weight = options.weigh_skill ? options.row_weight : share_or(spec, "weight", options.row_weight);
     options.red_s = bound_or(spec, "red", options.red_s);
     options.rule_count = has(spec, "one-rule") ? std::uint8_t{1} : options.rule_count;
     return options;

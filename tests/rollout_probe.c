@@ -82,7 +82,6 @@ static void read_junction(void) {
 static void read_options(void) {
     options = elmopp_rollout_defaults((uint16_t)next_whole(ELMOPP_SIGHT_TRAVEL_MAX_S));
     options.horizon_s = (uint16_t)next_whole(ELMOPP_HORIZON_MAX);
-    options.taper = next_whole(1U) != 0U;
     options.red_s = (uint16_t)next_whole(UINT16_MAX);
     options.row_weight = next();
     options.weigh_skill = next_whole(1U) != 0U;

@@ -26,14 +26,13 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                                       .max_s = 60U,
                                       .red_s = 120U,
                                       .horizon_s = 120U,
-                                      .taper = false,
                                       .hold_count = 3U,
                                       .rule_count = 2U,
                                       .hold_s = {1U, 3U, 10U},
                                       .ratio = {3.0F, 6.0F},
-                                      .rows_s = ELMOPP_HORIZON_MAX,
+                                      .rows_s = 60U,
+                                      .weigh_skill = true,
                                       .row_weight = 0.5F,
-                                      .weigh_skill = false,
                                       .mean_weight = 0.5F,
                                       .blocked_share = 0.5F,
                                       .yellow_used_s = 0.5F};
@@ -115,21 +114,24 @@ static float skill_of(const elmopp_account_error_t *error) {
 }
 
 static void weigh_rows(elmopp_rollout_t *self, const elmopp_view_t *view) {
-    const float least = self->options.row_weight;
-    self->row_weight = least;
+    self->row_weight = self->options.row_weight;
     if (self->options.weigh_skill) {
         keep_account(self, view);
-        self->row_weight = least + ((1.0F - least) * skill_of(&self->account.error));
+        self->row_weight = skill_of(&self->account.error);
     }
 }
 
-/* Who reaches the queue in second `step`, beyond the reach: a row's value or the mean. */
+/* Who reaches the queue in second `step`, beyond the reach: the mean, corrected by a row as far as rows are believed.
+ */
 static float foreseen(const elmopp_rollout_t *self, const elmopp_view_t *view, uint32_t movement, uint32_t step) {
+    const float expected_veh = self->expected_veh_per_s[movement];
     const uint32_t row = step - self->options.sight.travel_s;
     if ((row >= view->foreseen_steps) || (row >= self->options.rows_s)) {
-        return self->expected_veh_per_s[movement];
+        return expected_veh;
     }
-    return self->row_weight * view->share[movement] * said_veh(view, self->junction->movement[movement].approach, row);
+    const float said = view->share[movement] * said_veh(view, self->junction->movement[movement].approach, row);
+    const float base_veh = self->options.weigh_skill ? expected_veh : 0.0F;
+    return base_veh + (self->row_weight * (said - base_veh));
 }
 
 /* The queue and who comes before each second. Who is hidden behind a full reach comes as fast as a queue can. */
@@ -263,9 +265,11 @@ static float open_flow(const elmopp_rollout_t *self, uint32_t movement, float qu
     return flow;
 }
 
-/* One second of departures. */
+/* One second of departures. Who is seen to reach the line in this second may pass in it; without a reach he is counted
+   first, and goes in the next one at the earliest. */
 static void let_go(elmopp_rollout_t *self, uint32_t step) {
     elmopp_rollout_future_t *future = &self->future;
+    const uint32_t there = step + ((self->options.sight.travel_s > 0U) ? 1U : 0U);
     const uint32_t since_s = future->change_s - future->remaining_s;
     const float changing_s = (float)since_s;
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
@@ -275,7 +279,7 @@ static void let_go(elmopp_rollout_t *self, uint32_t step) {
         if (lost_s >= 1.0F) {
             future->startup_s[j] = lost_s - 1.0F;
         } else {
-            const float queue_veh = standing(self, step + 1U, j);
+            const float queue_veh = standing(self, there, j);
             const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
             const float leaving_veh = elmopp_lesser(flow, queue_veh);
             future->startup_s[j] = 0.0F;
@@ -301,7 +305,17 @@ static void play_second(elmopp_rollout_t *self, const action_t *action, uint32_t
     }
 }
 
-/* V of one action: weighted queues of all seconds. */
+/* What is left at the horizon, cleared movement by movement and at once: x at flow s takes x / s, the mean x / 2. */
+static float cost_of_rest(const elmopp_rollout_t *self) {
+    float cost = 0.0F;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const float left_veh = standing(self, self->options.horizon_s, j);
+        cost += (left_veh * left_veh) / (2.0F * self->sight.site_veh_per_s[j]);
+    }
+    return cost;
+}
+
+/* V of one action: the queues of all seconds, and of those after them what they are at least. */
 static float cost_of(elmopp_rollout_t *self, const elmopp_view_t *view, const action_t *action) {
     const uint32_t horizon_s = self->options.horizon_s;
     self->future = (elmopp_rollout_future_t){.flow_veh_per_s = self->present_flow_veh_per_s,
@@ -312,11 +326,9 @@ static float cost_of(elmopp_rollout_t *self, const elmopp_view_t *view, const ac
     float cost = 0.0F;
     for (uint32_t k = 0U; k < horizon_s; k++) {
         play_second(self, action, k);
-        const float queues_veh = elmopp_greater(self->arrived_sum_veh[k + 1U] - self->future.left_sum_veh, 0.0F);
-        const float weight = self->options.taper ? (1.0F - ((float)k / (float)horizon_s)) : 1.0F;
-        cost += weight * queues_veh;
+        cost += elmopp_greater(self->arrived_sum_veh[k + 1U] - self->future.left_sum_veh, 0.0F);
     }
-    return cost;
+    return cost + cost_of_rest(self);
 }
 
 /* --- the decision --- */

@@ -137,7 +137,6 @@ def make_case(seed: int) -> Case:
     setting = REFERENCE.Setting(
         travel=source.choice([0, 4, 8, 12]),
         horizon=source.choice([120, 120, 60, 150]),
-        taper=source.random() < 0.2,
         r_trig=source.choice([0, 60, 120, 1000]),
         f_rows=source.choice([0.5, 1.0]),
     )
@@ -156,7 +155,7 @@ def numbers_of(case: Case) -> list[float]:
         numbers += [site.saturation[j], 10 * site.startup[j], site.capacity[j], site.lanes[j], site.approach[j]]
         numbers += [case.amber_ds[j], *case.intergreen_ds[j]]
     numbers += site.stages
-    numbers += [setting.travel, setting.horizon, setting.taper, setting.r_trig, setting.f_rows, setting.by_skill]
+    numbers += [setting.travel, setting.horizon, setting.r_trig, setting.f_rows, setting.by_skill]
     numbers += [len(case.seconds), len(case.seconds[0].rows[0]) if case.seconds[0].rows else 0]
     for second in case.seconds:
         numbers += [second.stage, second.target, 10 * second.elapsed_s]
@@ -214,4 +213,4 @@ def test_in_some_cases_the_rows_have_earned_their_weight() -> None:
             reference.observe(second.present, second.arrived, REFERENCE.NEVER, second.elapsed_s, 0)
             reference.judge(second.arrived, second.rows)
         weights.append(reference.row_weight())
-    assert sum(0.5 < weight < 1.0 for weight in weights) >= 5
+    assert sum(0.1 < weight < 0.99 for weight in weights) >= 5

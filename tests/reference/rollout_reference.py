@@ -6,7 +6,8 @@ Every loop is written out as the specification has it: queues are stepped second
 sums taken anew. Where the firmware's header departs from the pseudo-code, so does this: the clock on red restarts on a
 departure, and who is overdue gets the next change, not one at once; a stage serves a movement if all its groups are in
 it; nobody is hidden without a reach; a second teaches one vehicle a lane at most; the reactive rule is pressure's,
-asked in every modelled second after the hold; rows weigh more than half as far as they have been better than the mean.
+asked in every modelled second after the hold; rows correct the mean as far as they have been better than it; without a
+reach nobody goes in the second in which he comes; and what is left at the horizon costs what it takes to clear it.
 """
 
 from __future__ import annotations
@@ -47,7 +48,6 @@ class Setting:
 
     travel: int = 0
     horizon: int = 120
-    taper: bool = False
     holds: tuple[int, ...] = (1, 3, 10)
     ratios: tuple[float, ...] = (3.0, 6.0)
     g_min: int = 5
@@ -56,6 +56,7 @@ class Setting:
     r_trig: int = 120
     f_rows: float = 0.5
     f_mean: float = 0.5
+    rows: int = 60
     by_skill: bool = True
 
 
@@ -141,8 +142,9 @@ class Rollout:
 
     def row_weight(self) -> float:
         said, mean = self.squares
-        skill = 1.0 - said / mean if self.setting.by_skill and self.judged >= 60 and said < mean else 0.0
-        return self.setting.f_rows + (1.0 - self.setting.f_rows) * skill
+        if not self.setting.by_skill:
+            return self.setting.f_rows
+        return 1.0 - said / mean if self.judged >= 60 and said < mean else 0.0
 
     def _learn(self, stage: int, lane: int, dep: float) -> None:
         prior = self.s[lane]
@@ -196,11 +198,10 @@ class Rollout:
                     second.append(self.ring[lane][k])
                     continue
                 row = rows[self.site.approach[lane]] if rows else []
-                come = (
-                    weight * share[lane] * row[k - travel]
-                    if k - travel < len(row)
-                    else self.setting.f_mean * self.lam[lane]
-                )
+                come = self.setting.f_mean * self.lam[lane]
+                if k - travel < min(len(row), self.setting.rows):
+                    kept = (1.0 - weight) * come if self.setting.by_skill else 0.0
+                    come = kept + weight * share[lane] * row[k - travel]
                 rise = min(max(self.s[lane] - come, 0.0), hid[lane])
                 hid[lane] -= rise
                 second.append(come + rise)
@@ -224,6 +225,8 @@ class Rollout:
         site, lanes, horizon = self.site, range(len(self.n)), self.setting.horizon
         x, g, e, su = list(self.q), cur, elapsed, [0.0] * len(self.n)
         target, left, cost, flow = NEVER, 0, 0.0, self.sx
+        nobody = [[0.0] * len(self.n)] * horizon
+        passing, counted = (self.a, nobody) if self.setting.travel else (nobody, self.a)
         for k in range(horizon):
             if target == NEVER:
                 later = self.base(g, e, ratio, x, flow) if k >= hold else g
@@ -231,7 +234,7 @@ class Rollout:
                 if want != g:
                     target, left = want, site.change[g][want]
             for lane in lanes:
-                x[lane] += self.a[k][lane]
+                x[lane] += passing[k][lane]
             if target != NEVER and left <= 0:
                 su = [0.0 if site.serves(g, j) and site.serves(target, j) else site.startup[j] for j in lanes]
                 g, target, e, flow = target, NEVER, 0, self.sat[target]
@@ -242,12 +245,13 @@ class Rollout:
                 else:
                     x[lane] -= min(x[lane], c * (1.0 - su[lane]))
                     su[lane] = 0.0
-                cost += (1.0 - k / horizon if self.setting.taper else 1.0) * x[lane]
+                x[lane] += counted[k][lane]
+                cost += x[lane]
             if target != NEVER:
                 left -= 1
             else:
                 e += 1
-        return cost
+        return cost + sum(x[lane] ** 2 / (2.0 * self.s[lane]) for lane in lanes)
 
     def base(self, g: int, e: int, ratio: float, x: list[float], flow: list[float]) -> int:
         site, setting = self.site, self.setting

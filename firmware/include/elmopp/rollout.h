@@ -5,15 +5,16 @@
 ///
 /// Once a second, when the stage shown is min_s old, it plays the next horizon_s seconds for each first action: keep
 /// the stage for one of a few times, or change to another stage that somebody waits for. After the first action a
-/// reactive rule decides. The cost V of an action is the sum of all queues over the seconds; the least V wins, ties go
-/// to the lowest index. The score of a stage is -V, 0 where it was not tried.
+/// reactive rule decides. The cost V of an action is the sum of all queues over the seconds, and x^2 / 2s for each
+/// queue x that is left then: what it costs at least until it has gone at its flow s. The least V wins, ties go to the
+/// lowest index. The score of a stage is -V, 0 where it was not tried.
 ///
-/// The model. A queue stands at the stop line of each movement. Who drives reaches it when he must (sight.h), who will
-/// come is foreseen: the view's rows at row_weight, each movement with its share, or, without rows, the mean of the
-/// arrivals at mean_weight. Half, because who may come is not who will: counted in full he keeps greens for nobody.
-/// With weigh_skill the weight of the rows nears 1 as they come true: an account (account.h) of what they said 30 s
-/// ahead gives the skill 1 - MSE of the rows / MSE of the mean, never below 0, and the weight is
-/// row_weight + (1 - row_weight) skill. It is off: a gain with an oracle, none with a forecast (docs/measurements.md).
+/// The model. A queue stands at the stop line of each movement. Who drives reaches it when he must (sight.h) and may
+/// pass in the same second; without a reach he is counted before he can go. Who will come is foreseen: the mean of the
+/// arrivals at mean_weight, m, and, as far as rows_s, m + w (r - m) with a row's value r, each movement with its share.
+/// m is half the mean, because who may come is not who will: counted in full he keeps greens for nobody. w is what the
+/// rows have earned: an account (account.h) of what they said 30 s ahead gives their skill 1 - MSE of the rows / MSE of
+/// the mean, never below 0. So a forecast that knows nothing does no harm, and one that knows all counts in full.
 /// A green queue leaves with the flow that the stage was seen to give it, or after the junction's discharge law where
 /// that depends on the queue; half as fast while it is blocked. A change of stage takes the site's intergreen, of whose
 /// amber yellow_used_s are still driven, and the start-up of what is newly green: the price of a change is worked out,
@@ -56,14 +57,13 @@ typedef struct {
     uint16_t max_s;                           ///< ... and left at if another one is asked for
     uint16_t red_s;                           ///< who has waited so long is next; 0: no bound
     uint16_t horizon_s;                       ///< 1 to ELMOPP_HORIZON_MAX
-    bool taper;                               ///< the weight of a second falls to 0 at the horizon
     uint8_t hold_count;                       ///< of hold_s, at least 1
     uint8_t rule_count;                       ///< of ratio, at least 1
     uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX]; ///< how long the stage shown may be kept before the rule decides; >= 1
     float ratio[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much more another stage must press for the rule; at least 1
     uint16_t rows_s;                          ///< foreseen rows are read so far; the mean follows
-    float row_weight;                         ///< of the foreseen rows, 0 to 1; with weigh_skill at least
-    bool weigh_skill;                         ///< up to 1 as they come true; false: row_weight whatever comes
+    bool weigh_skill;                         ///< rows correct the mean as far as they have come true lately
+    float row_weight;                         ///< otherwise they stand for themselves, by this weight, 0 to 1
     float mean_weight;                        ///< of the mean arrivals, 0 to 1
     float blocked_share;                      ///< of its flow, for a movement that is blocked
     float yellow_used_s;                      ///< of the amber, still driven; 0 or more
@@ -100,7 +100,7 @@ typedef struct {
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
 } elmopp_rollout_t;
 
-/// The measured setting: horizon 120 s, rows at half weight, holds 1, 3 and 10 s, ratios 3 and 6, green 5 to
+/// The measured setting: horizon 120 s, rows for 60 s by their skill, holds 1, 3 and 10 s, ratios 3 and 6, green 5 to
 /// 60 s, red 120 s, half a second of the amber driven.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
