@@ -211,7 +211,8 @@ std::vector<ChooserSpec> paper_table() {
 
 ChooserSpec site_chooser(const elmopp_junction_t &junction) {
     // In the order of ELMOPP_CHOOSER_* and ELMOPP_FORECAST_*.
-    static const std::array<const char *, ELMOPP_CHOOSER_COUNT> names{"naive", "cumulative", "pressure"};
+    static const std::array<const char *, ELMOPP_CHOOSER_COUNT> names{"naive", "cumulative", "pressure", "priced",
+                                                                      "rollout"};
     ChooserSpec spec{names.at(junction.chooser), {}, forecast_names().at(junction.forecast)};
     spec.forecast = find_kind(spec.name).forecasts ? spec.forecast : "none";
     return spec;

@@ -327,6 +327,11 @@ static void test_what_is_left_costs_what_it_takes_to_clear_it(void) {
     set_queues(0.0F, 2.0F, 0.0F);
     (void)ask_in(0U, 50U);
     TEST_ASSERT_EQUAL_FLOAT(-(20.0F + 2.0F), seen.score[0]);
+    junction.movement[1].saturation_veh_per_s = 0.0F;
+    start();
+    set_queues(0.0F, 2.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_EQUAL_FLOAT(-20.0F, seen.score[0]);
 }
 
 /* A queue of 1.5 teaches no flow; blocked it shrinks by 0.25 a second: 1.25, 1, 0.75, 0.5, 0.25. */

@@ -55,6 +55,15 @@ static void seconds_of_red(uint32_t count, float present_veh) {
     }
 }
 
+static void test_a_reach_takes_whole_seconds_at_free_flow(void) {
+    TEST_ASSERT_EQUAL_UINT16(0U, elmopp_sight_travel_s(0.0F));
+    TEST_ASSERT_EQUAL_UINT16(1U, elmopp_sight_travel_s(17.9F));
+    TEST_ASSERT_EQUAL_UINT16(2U, elmopp_sight_travel_s(18.0F));
+    TEST_ASSERT_EQUAL_UINT16(8U, elmopp_sight_travel_s(100.0F));
+    TEST_ASSERT_EQUAL_UINT16(12U, elmopp_sight_travel_s(144.0F));
+    TEST_ASSERT_EQUAL_UINT16(12U, elmopp_sight_travel_s(1.0e6F));
+}
+
 static void test_the_defaults_are_those_of_the_research(void) {
     const elmopp_sight_options_t options = elmopp_sight_defaults(8U);
     TEST_ASSERT_EQUAL_UINT16(8U, options.travel_s);
@@ -316,6 +325,7 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
 
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_a_reach_takes_whole_seconds_at_free_flow);
     RUN_TEST(test_the_defaults_are_those_of_the_research);
     RUN_TEST(test_who_has_just_come_drives_for_travel_s_and_is_queued_then);
     RUN_TEST(test_who_was_there_at_the_start_is_queued);

@@ -60,10 +60,31 @@ static void test_pressure_has_the_sites_window(void) {
     TEST_ASSERT_EQUAL_UINT16(77U, station.pressure.max_s);
 }
 
+static void test_priced_has_the_sites_window_and_no_forecast(void) {
+    build(ELMOPP_CHOOSER_PRICED, ELMOPP_FORECAST_LSTM);
+    TEST_ASSERT_EQUAL_PTR(&station.priced, station.controller.pilot.chooser.state);
+    TEST_ASSERT_EQUAL_UINT16(7U, station.priced.min_s);
+    TEST_ASSERT_EQUAL_UINT16(77U, station.priced.max_s);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FORECAST_NONE, forecast()->kind);
+}
+
+static void test_the_rollout_has_the_sites_window_reach_and_forecast(void) {
+    site.reach_m = 100.0F;
+    build(ELMOPP_CHOOSER_ROLLOUT, ELMOPP_FORECAST_LSTM);
+    TEST_ASSERT_EQUAL_PTR(&station.rollout, station.controller.pilot.chooser.state);
+    TEST_ASSERT_EQUAL_UINT16(7U, station.rollout.options.min_s);
+    TEST_ASSERT_EQUAL_UINT16(77U, station.rollout.options.max_s);
+    TEST_ASSERT_EQUAL_UINT16(8U, station.rollout.options.sight.travel_s);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FORECAST_LSTM, forecast()->kind);
+    TEST_ASSERT_EQUAL_PTR(&weights, forecast()->weights);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_naive_has_the_sites_window_and_no_forecast);
     RUN_TEST(test_cumulative_has_the_forecast_that_the_site_names);
     RUN_TEST(test_pressure_has_the_sites_window);
+    RUN_TEST(test_priced_has_the_sites_window_and_no_forecast);
+    RUN_TEST(test_the_rollout_has_the_sites_window_reach_and_forecast);
     return UNITY_END();
 }

@@ -305,12 +305,14 @@ static void play_second(elmopp_rollout_t *self, const action_t *action, uint32_t
     }
 }
 
-/* What is left at the horizon, cleared movement by movement and at once: x at flow s takes x / s, the mean x / 2. */
+/* What is left at the horizon, cleared movement by movement and at once: x at flow s takes x / s, the mean x / 2. Who
+   can never go is the same in every future. */
 static float cost_of_rest(const elmopp_rollout_t *self) {
     float cost = 0.0F;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         const float left_veh = standing(self, self->options.horizon_s, j);
-        cost += (left_veh * left_veh) / (2.0F * self->sight.site_veh_per_s[j]);
+        const float flow = self->sight.site_veh_per_s[j];
+        cost += (flow > 0.0F) ? ((left_veh * left_veh) / (2.0F * flow)) : 0.0F;
     }
     return cost;
 }

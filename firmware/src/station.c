@@ -5,23 +5,47 @@
 
 #include <stddef.h>
 
-static elmopp_chooser_t chooser_of(elmopp_station_t *self, const elmopp_junction_t *junction) {
-    if (junction->chooser == (uint8_t)ELMOPP_CHOOSER_PRESSURE) {
-        self->pressure = (elmopp_pressure_t){
-            .ratio = ELMOPP_PRESSURE_RATIO, .min_s = junction->hold_min_s, .max_s = junction->hold_max_s};
-        return elmopp_pressure_init(&self->pressure);
-    }
+static elmopp_chooser_t urgency_of(elmopp_urgency_t *urgency, const elmopp_junction_t *junction) {
     const elmopp_urgency_options_t options = {.min_s = junction->hold_min_s,
                                               .max_s = junction->hold_max_s,
                                               .hysteresis = 1.0F,
                                               .cumulative = junction->chooser == (uint8_t)ELMOPP_CHOOSER_CUMULATIVE};
-    return elmopp_urgency_init(&self->urgency, &options);
+    return elmopp_urgency_init(urgency, &options);
 }
 
-/* Of the choosers only cumulative looks ahead. */
+static elmopp_chooser_t rollout_of(elmopp_rollout_t *rollout, const elmopp_junction_t *junction) {
+    elmopp_rollout_options_t options = elmopp_rollout_defaults(elmopp_sight_travel_s(junction->reach_m));
+    options.min_s = junction->hold_min_s;
+    options.max_s = junction->hold_max_s;
+    return elmopp_rollout_init(rollout, &options);
+}
+
+static elmopp_chooser_t chooser_of(elmopp_station_t *self, const elmopp_junction_t *junction) {
+    elmopp_chooser_t chooser;
+    switch (junction->chooser) {
+    case (uint8_t)ELMOPP_CHOOSER_PRESSURE:
+        self->pressure = (elmopp_pressure_t){
+            .ratio = ELMOPP_PRESSURE_RATIO, .min_s = junction->hold_min_s, .max_s = junction->hold_max_s};
+        chooser = elmopp_pressure_init(&self->pressure);
+        break;
+    case (uint8_t)ELMOPP_CHOOSER_PRICED:
+        chooser = elmopp_priced_init(&self->priced, junction->hold_min_s, junction->hold_max_s);
+        break;
+    case (uint8_t)ELMOPP_CHOOSER_ROLLOUT:
+        chooser = rollout_of(&self->rollout, junction);
+        break;
+    default: /* naive and cumulative */
+        chooser = urgency_of(&self->urgency, junction);
+        break;
+    }
+    return chooser;
+}
+
+/* Only these two look ahead. */
 static uint8_t forecast_of(const elmopp_junction_t *junction) {
-    return (junction->chooser == (uint8_t)ELMOPP_CHOOSER_CUMULATIVE) ? junction->forecast
-                                                                     : (uint8_t)ELMOPP_FORECAST_NONE;
+    const bool looks = (junction->chooser == (uint8_t)ELMOPP_CHOOSER_CUMULATIVE) ||
+                       (junction->chooser == (uint8_t)ELMOPP_CHOOSER_ROLLOUT);
+    return looks ? junction->forecast : (uint8_t)ELMOPP_FORECAST_NONE;
 }
 
 void elmopp_station_init(elmopp_station_t *self, const elmopp_junction_t *junction, const elmopp_ar8_t *ar8,

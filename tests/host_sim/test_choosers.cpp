@@ -323,7 +323,9 @@ void test_site_names_its_chooser() {
     elmopp_junction_t junction = elmopp_site_four_way;
     const std::vector<std::pair<int, std::string>> choosers{{ELMOPP_CHOOSER_NAIVE, "naive:none"},
                                                             {ELMOPP_CHOOSER_CUMULATIVE, "cumulative:ewma"},
-                                                            {ELMOPP_CHOOSER_PRESSURE, "pressure:none"}};
+                                                            {ELMOPP_CHOOSER_PRESSURE, "pressure:none"},
+                                                            {ELMOPP_CHOOSER_PRICED, "priced:none"},
+                                                            {ELMOPP_CHOOSER_ROLLOUT, "rollout:ewma"}};
     junction.forecast = ELMOPP_FORECAST_EWMA;
     for (const auto &[code, text] : choosers) {
         junction.chooser = static_cast<std::uint8_t>(code);

@@ -78,7 +78,7 @@ ROOMS: dict[str, frozenset[str]] = {
     },
 }
 # level 6: a controller with everything that its site names
-ROOMS["station"] = ROOMS["controller"] | {"controller", "pressure", "urgency"}
+ROOMS["station"] = ROOMS["controller"] | {"controller", "pressure", "priced", "rollout", "sight", "urgency"}
 
 # The standard headers that need no library.
 SYSTEM_HEADERS = frozenset({"assert.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"})

@@ -24,7 +24,7 @@ SITE_NAME_SIZE = 24
 NAME_SIZE = 12
 
 DISCHARGES = ("saturation", "greenshields", "nolock")
-CHOOSERS = ("naive", "cumulative", "pressure")
+CHOOSERS = ("naive", "cumulative", "pressure", "priced", "rollout")
 FORECASTS = ("none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm")
 
 FLASHES = ("amber", "red", "dark")

@@ -36,7 +36,9 @@ enum {
     ELMOPP_CHOOSER_NAIVE = 0,      ///< urgency.h, loads as they are
     ELMOPP_CHOOSER_CUMULATIVE = 1, ///< urgency.h, loads summed over the forecast
     ELMOPP_CHOOSER_PRESSURE = 2,   ///< pressure.h
-    ELMOPP_CHOOSER_COUNT = 3
+    ELMOPP_CHOOSER_PRICED = 3,     ///< priced.h
+    ELMOPP_CHOOSER_ROLLOUT = 4,    ///< rollout.h, with the forecast
+    ELMOPP_CHOOSER_COUNT = 5
 };
 
 /// The forecasts that a site may name (forecast.h).

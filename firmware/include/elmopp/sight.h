@@ -36,6 +36,9 @@
 
 #define ELMOPP_SIGHT_TRAVEL_MAX_S 12U
 
+/// What drivers reach on the way to a stop line: 0.86 of 50 km/h.
+#define ELMOPP_SIGHT_FREE_FLOW_M_PER_S 12.0F
+
 /// Below this share of the site's saturation flow a stage does not really serve a movement.
 #define ELMOPP_SIGHT_SERVED_SHARE 0.25F
 
@@ -68,6 +71,9 @@ typedef struct {
     uint16_t mean_s;                                               ///< seconds in the mean, at most mean_window_s
     elmopp_stage_t stage;                                          ///< view->stage of the last second
 } elmopp_sight_t;
+
+/// Whole seconds through a reach at ELMOPP_SIGHT_FREE_FLOW_M_PER_S, at most ELMOPP_SIGHT_TRAVEL_MAX_S.
+uint16_t elmopp_sight_travel_s(float reach_m);
 
 /// 120 s of arrivals, 30 s of prior, forgetting over 600 s, blocked after 8 s.
 elmopp_sight_options_t elmopp_sight_defaults(uint16_t travel_s);

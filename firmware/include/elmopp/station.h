@@ -6,6 +6,8 @@
 /// Decides nothing: it looks up what the site asks for and owns the memory that the parts need, so that a port has one
 /// object to place. The forecast knows what a street knows: the shipped regression, running means.
 ///
+/// A chooser's window is the site's. The rollout's state, 33 kB, lies here whether the site names it or not.
+///
 /// No allocation. Not thread-safe; one owner, the port. Not movable: the parts point at each other.
 
 #ifndef ELMOPP_STATION_H
@@ -13,12 +15,16 @@
 
 #include "elmopp/controller.h"
 #include "elmopp/pressure.h"
+#include "elmopp/priced.h"
+#include "elmopp/rollout.h"
 #include "elmopp/urgency.h"
 
 typedef struct {
     elmopp_controller_t controller;
     elmopp_urgency_t urgency;
     elmopp_pressure_t pressure;
+    elmopp_priced_t priced;
+    elmopp_rollout_t rollout;
     elmopp_ar8_t ar8[ELMOPP_APPROACH_MAX];
 } elmopp_station_t;
 
