@@ -22,8 +22,9 @@
 #define SETTLE_DS 10U              /* after the start-up, until departures tell of the saturation flow */
 
 uint16_t elmopp_sight_travel_s(float reach_m) {
-    const float travel_s = reach_m / ELMOPP_SIGHT_FREE_FLOW_M_PER_S;
-    return (uint16_t)(elmopp_within(travel_s, 0.0F, (float)ELMOPP_SIGHT_TRAVEL_MAX_S) + 0.5F);
+    const float free_s = reach_m / ELMOPP_SIGHT_FREE_FLOW_M_PER_S;
+    const float rounded_s = elmopp_within(free_s, 0.0F, (float)ELMOPP_SIGHT_TRAVEL_MAX_S) + 0.5F;
+    return (uint16_t)rounded_s;
 }
 
 elmopp_sight_options_t elmopp_sight_defaults(uint16_t travel_s) {
