@@ -94,7 +94,8 @@ def sight(
     inside: tuple[str, ...] = (),
 ) -> Any:
     ways_on = tuple(tuple(lanes) for lanes in downstream or [[] for _ in range(3)])
-    return sumo_network.Sight(tuple(sumo_network.View(*view) for view in views), (), ways_on, inside)
+    pieces = tuple(sumo_network.View(lane, from_m, 0.0, parts) for lane, from_m, parts in views)
+    return sumo_network.Sight(pieces, (), ways_on, inside)
 
 
 # --- cameras ---

@@ -94,6 +94,35 @@ def test_static_is_what_plain_sumo_says(simple: tuple[Path, Path], tmp_path: Pat
     assert int(row["switches"]) in range(18, 21), "62 s a cycle of two stages"
 
 
+def test_paths_are_where_plain_sumo_has_the_vehicles(tmp_path: Path) -> None:
+    """Within 100 m of the stop line, the last 60 of them on an edge of their own."""
+    net, routes = cross(tmp_path, pieces=2), traffic(tmp_path, pieces=2)
+    scenario = ["--net", net, "--routes", routes, "--end", 200, "--chooser", "static", "--seeds", 7, "--all-red", 0]
+    sumo_run(*scenario, "--paths", tmp_path / "paths.csv")
+    with (tmp_path / "paths.csv").open(encoding="utf-8", newline="") as stream:
+        seen = {(float(r["t_s"]), r["approach"], r["vehicle"]): float(r["distance_m"]) for r in csv.DictReader(stream)}
+    words = ["-n", net, "-r", routes, "--end", "200", "--seed", "7", "--no-step-log", "--fcd-output", "fcd.xml"]
+    subprocess.run(
+        list(map(str, [SUMO_BIN / "sumo", *words])), check=True, timeout=60, capture_output=True, cwd=tmp_path
+    )
+    lengths = {lane.get("id"): float(lane.get("length", "")) for lane in root_of(net).iter("lane")}
+    last = {f"{arm}2_C_0" for arm in "NESW"}
+    there = {
+        (float(step.get("time", "")) + 1.0, f"{str(v.get('lane'))[:-2]}", str(v.get("id"))): (
+            lengths[v.get("lane")] - float(v.get("pos", ""))
+        )
+        for step in root_of(tmp_path / "fcd.xml")
+        for v in step
+        if v.get("lane") in last
+    }
+    assert len(there) > 1000
+    assert {key: seen.get(key) for key in there} == pytest.approx(there, abs=0.006)
+    further = sorted(distance for key, distance in seen.items() if key not in there)
+    assert len(further) > 200
+    assert further[0] > min(lengths[lane] for lane in last) - 0.01
+    assert further[-1] <= 100.0
+
+
 @pytest.mark.parametrize("chooser", ["naive", "cumulative:ewma", "pressure", "sumo-actuated", "sumo-delay-based"])
 def test_a_controller_that_looks_beats_fixed_times(simple: tuple[Path, Path], chooser: str) -> None:
     net, routes = simple
@@ -247,6 +276,8 @@ def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
     assert "'11'" in refused(*scenario, "--chooser", "naive", "--junction-wait", 11)
     assert "--chooser" in refused(*scenario)
     assert "no/folder" in refused(*scenario, "--chooser", "naive", "--csv", "no/folder/x.csv")
+    assert "no/folder" in refused(*scenario, "--chooser", "naive", "--paths", "no/folder/x.csv")
+    assert "with 2 seeds" in refused(*scenario, "--chooser", "naive", "--paths", "x.csv", "--seeds", "1-2")
     assert "'nan'" in refused(*scenario, "--chooser", "naive", "--begin", "nan")
     assert "not after" in refused(*scenario, "--begin", 30, "--chooser", "naive")
     assert "either --sumocfg" in refused("--net", net, "--chooser", "naive")

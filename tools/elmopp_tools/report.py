@@ -20,7 +20,8 @@ Makes one self-contained HTML page (no script, no file beside it, nothing from a
   --sumo DIR        what tools/sumo-compare has written: standings, the best rival of each scenario, ours against
                     him paired by seed, longest red and longest wait, and what each forecast is worth
   --run FILE        a decision log (`host_sim run --log FILE`): queues, lamps, and forecast beside what came
-  --paths FILE      CSV with columns t_s, approach, vehicle, distance_m: where vehicles were before their stop line
+  --paths FILE      where vehicles were before their stop line, as tools/sumo-run --paths writes it: CSV with
+                    the columns t_s, approach, vehicle, distance_m
 
 At least one of them; a section whose files are not given is left out."""
 

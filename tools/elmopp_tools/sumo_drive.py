@@ -14,6 +14,7 @@ import libsumo
 from elmopp_tools.library import NO_STAGE, CoreJunction
 from elmopp_tools.site_image import image_bytes
 from elmopp_tools.sumo_network import Sight
+from elmopp_tools.sumo_report import number
 from elmopp_tools.sumo_signal import GREEN, Signal, Times, junction_of, letters
 
 TICKS_PER_S = 10
@@ -54,6 +55,30 @@ class Camera:
                     present[crossing.movement] += 1.0
                     arrived[crossing.movement] += 1.0 if person not in self._known else 0.0
         self._known, self.present_veh, self.arrived_veh = now, present, arrived
+
+
+class PathLog:
+    """Where every vehicle in sight was in every second, for a time-space figure: `columns` name what `rows` hold."""
+
+    columns = ("t_s", "approach", "vehicle", "distance_m")
+
+    def __init__(self, signals: Sequence[Signal], sights: Sequence[Sight]) -> None:
+        self._views = [
+            (view, signal.movements[view.parts[0][0]].edge)
+            for signal, sight in zip(signals, sights, strict=True)
+            for view in sight.views
+        ]
+        self.rows: list[dict[str, str]] = []
+
+    def look(self) -> None:
+        """After a step of the simulation."""
+        t_s = number(libsumo.simulation.getTime())
+        for view, edge in self._views:
+            for vehicle in libsumo.lane.getLastStepVehicleIDs(view.lane):
+                position_m = libsumo.vehicle.getLanePosition(vehicle)
+                if position_m >= view.from_m:
+                    cells = (t_s, edge, vehicle, number(view.line_m - position_m))
+                    self.rows.append(dict(zip(self.columns, cells, strict=True)))
 
 
 class JunctionCamera:

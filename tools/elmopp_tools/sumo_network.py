@@ -24,10 +24,14 @@ Links = Sequence[Sequence[tuple[str, str, str]]]
 
 @dataclass(frozen=True)
 class View:
-    """A piece of a lane that a camera sees: vehicles from `from_m` on count for these movements in these parts."""
+    """A piece of a lane that a camera sees: vehicles from `from_m` on count for these movements in these parts.
+
+    The stop line is at `line_m` of the lane, behind its end for a lane further up the road.
+    """
 
     lane: str
     from_m: float
+    line_m: float
     parts: tuple[tuple[int, float], ...]
 
 
@@ -126,7 +130,10 @@ class Network:
                     starts[lane] = self._length(lane) - reach_m
         self._look_upstream(shares, starts, signals)
         return Sight(
-            views=tuple(View(lane, max(starts[lane], 0.0), tuple(parts.items())) for lane, parts in shares.items()),
+            views=tuple(
+                View(lane, max(starts[lane], 0.0), starts[lane] + reach_m, tuple(parts.items()))
+                for lane, parts in shares.items()
+            ),
             crossings=tuple(self._crossings(links, signal.movements)),
             downstream=tuple(_downstream(links, movement) for movement in signal.movements),
             inside=self._inside(links),

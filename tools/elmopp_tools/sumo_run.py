@@ -19,7 +19,7 @@ from elmopp_tools.library import CoreJunction, FaultError, LibraryError
 from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, why_not_writable, write
 from elmopp_tools.seeds import seeds_of
 from elmopp_tools.site_image import image_bytes
-from elmopp_tools.sumo_drive import Driver, Street
+from elmopp_tools.sumo_drive import Driver, PathLog, Street
 from elmopp_tools.sumo_network import Network
 from elmopp_tools.sumo_own import PROGRAM, TYPES, own_programmes
 from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row, table
@@ -73,6 +73,7 @@ class Job:
     times: Times
     reach_m: float
     allow_partial: bool
+    paths: Path | None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -80,7 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         jobs = _jobs(options)
-        _check_output(options.csv)
+        _check_output("--csv", options.csv)
+        _check_output("--paths", options.paths or "-")
         rows = _run_all(jobs, options.jobs)
     except (ScenarioError, SignalError, LibraryError) as error:
         say("sumo-run", str(error))
@@ -129,6 +131,10 @@ def _parser() -> argparse.ArgumentParser:
     )  # fmt: skip
     parser.add_argument("--reach", metavar="M", type=_reach, default=100.0, help="how far cameras see (default: 100)")
     parser.add_argument("--csv", metavar="FILE", default="-", help="the table (default: -, the terminal)")
+    parser.add_argument(
+        "--paths", metavar="FILE",
+        help="where each vehicle in reach was in each second, of one seed: for tools/report --paths",
+    )  # fmt: skip
     parser.add_argument("--jobs", metavar="N", type=_whole(1, 1024), default=os.cpu_count() or 1, help="runs at a time")
     parser.add_argument(
         "--allow-partial", action="store_true",
@@ -180,7 +186,13 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         junction_wait_s=options.junction_wait,
     )
     _check_chooser(options.chooser, times)
-    return [Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial) for seed in options.seeds]
+    if options.paths and len(options.seeds) > 1:
+        raise ScenarioError(f"--paths {options.paths} with {len(options.seeds)} seeds ; one, as the file is of one run")
+    paths = Path(options.paths) if options.paths else None
+    return [
+        Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial, paths)
+        for seed in options.seeds
+    ]
 
 
 def _check_chooser(chooser: str, times: Times) -> None:
@@ -196,10 +208,10 @@ def _check_chooser(chooser: str, times: Times) -> None:
         raise ScenarioError(f"--chooser {chooser}: {error}, or SUMO's own {', '.join(TYPES)}") from None
 
 
-def _check_output(name: str) -> None:
+def _check_output(option: str, name: str) -> None:
     reason = None if name == "-" else why_not_writable(Path(name))
     if reason is not None:
-        raise ScenarioError(f"--csv {name}: {reason[0]} ; {reason[1]}")
+        raise ScenarioError(f"{option} {name}: {reason[0]} ; {reason[1]}")
 
 
 def _run_all(jobs: Sequence[Job], at_once: int) -> list[dict[str, str]]:
@@ -272,11 +284,14 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
         if not own:
             drivers = [Driver(signal, job.times, job.reach_m, job.chooser, job.seed) for signal in signals]
         street = Street(signals, sights, drivers)
-        _simulate(street, job.scenario.end_s)
+        log = PathLog(signals, sights) if job.paths else None
+        _simulate(street, job.scenario.end_s, log)
     finally:
         for driver in drivers:
             driver.close()
         libsumo.close()
+    if job.paths and log:
+        write({job.paths: table(log.rows, PathLog.columns)})
     name, _, forecast = job.chooser.partition(":")
     names = (job.scenario.name, name, forecast or "none", job.seed)
     return row(
@@ -291,11 +306,13 @@ def _start(arguments: Sequence[str]) -> None:
         raise _StartError(str(error)) from None
 
 
-def _simulate(street: Street, end_s: float | None) -> None:
+def _simulate(street: Street, end_s: float | None, log: PathLog | None) -> None:
     """To the end of the scenario, or until everybody has arrived."""
     while libsumo.simulation.getMinExpectedNumber() > 0 if end_s is None else libsumo.simulation.getTime() < end_s:
         libsumo.simulationStep()
         street.second()
+        if log:
+            log.look()
 
 
 def _lanes_of(name: str) -> tuple[str, ...]:
