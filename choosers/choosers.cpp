@@ -96,7 +96,7 @@ const std::vector<ChooserKind> &chooser_kinds() {
          "the next stage that is cheapest in a model of the coming two minutes",
          false,
          true,
-         {"min=5", "max=60", "horizon=120", "weight=by-skill", "red=120", "rows=60", "one-rule"}},
+         {"min=5", "max=60", "horizon=120", "weight=by-skill", "red=120", "rows=30", "one-rule"}},
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},
         {"fixed", "fixed times in a covering cycle", true, false, {"green=20"}},

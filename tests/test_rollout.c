@@ -77,14 +77,14 @@ static void test_the_defaults_are_those_that_were_measured(void) {
     const float ratio[ELMOPP_ROLLOUT_RULE_MAX] = {3.0F, 6.0F};
     TEST_ASSERT_EQUAL_FLOAT_ARRAY(ratio, measured.ratio, measured.rule_count);
     TEST_ASSERT_TRUE(measured.weigh_skill);
-    TEST_ASSERT_EQUAL_UINT16(60U, measured.rows_s);
+    TEST_ASSERT_EQUAL_UINT16(30U, measured.rows_s);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.row_weight);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.mean_weight);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.yellow_used_s);
 }
 
 static void test_it_asks_for_the_forecast_that_its_horizon_needs(void) {
-    TEST_ASSERT_EQUAL_UINT16(60U, chooser.horizon_s);
+    TEST_ASSERT_EQUAL_UINT16(30U, chooser.horizon_s);
     options = elmopp_rollout_defaults(8U);
     options.rows_s = ELMOPP_HORIZON_MAX;
     TEST_ASSERT_EQUAL_UINT16(112U, elmopp_rollout_init(&rollout, &options).horizon_s);

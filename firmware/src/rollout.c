@@ -30,7 +30,7 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                                       .rule_count = 2U,
                                       .hold_s = {1U, 3U, 10U},
                                       .ratio = {3.0F, 6.0F},
-                                      .rows_s = 60U,
+                                      .rows_s = ELMOPP_ACCOUNT_PROBE_S,
                                       .weigh_skill = true,
                                       .row_weight = 0.5F,
                                       .mean_weight = 0.5F,

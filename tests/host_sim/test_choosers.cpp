@@ -220,7 +220,7 @@ void test_the_rollout_takes_its_options() {
     TEST_ASSERT_EQUAL_UINT(120, options.red_s);
     TEST_ASSERT_EQUAL_UINT(2, options.rule_count);
     TEST_ASSERT_TRUE(options.weigh_skill);
-    TEST_ASSERT_EQUAL_UINT(60, options.rows_s);
+    TEST_ASSERT_EQUAL_UINT(30, options.rows_s);
     const auto given =
         state_of<elmopp_rollout_t>("rollout@min=7@max=33@horizon=150@weight=1@red=99@rows=150@one-rule").options;
     TEST_ASSERT_EQUAL_UINT(7, given.min_s);

@@ -56,7 +56,7 @@ class Setting:
     r_trig: int = 120
     f_rows: float = 0.5
     f_mean: float = 0.5
-    rows: int = 60
+    rows: int = 30
     by_skill: bool = True
 
 

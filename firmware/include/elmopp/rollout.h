@@ -61,7 +61,7 @@ typedef struct {
     uint8_t rule_count;                       ///< of ratio, at least 1
     uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX]; ///< how long the stage shown may be kept before the rule decides; >= 1
     float ratio[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much more another stage must press for the rule; at least 1
-    uint16_t rows_s;                          ///< foreseen rows are read so far; the mean follows
+    uint16_t rows_s;                          ///< foreseen rows are read so far; half the mean follows
     bool weigh_skill;                         ///< rows correct the mean as far as they have come true lately
     float row_weight;                         ///< otherwise they stand for themselves, by this weight, 0 to 1
     float mean_weight;                        ///< of the mean arrivals, 0 to 1
@@ -100,8 +100,8 @@ typedef struct {
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
 } elmopp_rollout_t;
 
-/// The measured setting: horizon 120 s, rows for 60 s by their skill, holds 1, 3 and 10 s, ratios 3 and 6, green 5 to
-/// 60 s, red 120 s, half a second of the amber driven.
+/// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 3 and 10 s, ratios
+/// 3 and 6, green 5 to 60 s, red 120 s, half a second of the amber driven.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
