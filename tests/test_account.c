@@ -54,6 +54,19 @@ static void test_what_is_said_falls_due_in_exactly_30_seconds(void) {
     TEST_ASSERT_EQUAL_UINT32(1U, account.error.compared_s);
 }
 
+/* An account that looks less far: due after `ahead_s` and never again. */
+static void test_what_is_said_of_sooner_falls_due_sooner(void) {
+    for (uint32_t ahead_s = 1U; ahead_s <= PROBE; ahead_s++) {
+        account = (elmopp_account_t){.due = 7U};
+        elmopp_account_settle(&account, nothing, APPROACHES);
+        elmopp_account_page_ahead(&account, ahead_s)->said = true;
+        for (uint32_t n = 1U; n <= (2U * PROBE); n++) {
+            second(nothing, NULL);
+            TEST_ASSERT_EQUAL_UINT32((n < ahead_s) ? 0U : 1U, account.error.compared_s);
+        }
+    }
+}
+
 /* Each second is told apart: a different number is said in each, and each comes as it was said. */
 static void test_every_second_is_compared_with_its_own(void) {
     for (uint32_t n = 0U; n < (5U * PROBE); n++) {
@@ -109,6 +122,7 @@ static void test_seconds_compared_saturate(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_what_is_said_falls_due_in_exactly_30_seconds);
+    RUN_TEST(test_what_is_said_of_sooner_falls_due_sooner);
     RUN_TEST(test_every_second_is_compared_with_its_own);
     RUN_TEST(test_the_last_thing_said_in_a_second_counts);
     RUN_TEST(test_errors_are_averages_that_forget_with_the_window);

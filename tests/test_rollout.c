@@ -203,10 +203,32 @@ static void test_rows_are_taken_at_a_fixed_weight(void) {
 /* 0.24 a second came, half of it is expected; rows of 0.4 with a skill of 3/4: 0.12 + 0.75 * 0.28 = 0.33. */
 static void test_rows_correct_the_mean_by_their_skill(void) {
     look_ten_seconds_ahead();
-    rollout.account.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.25F, .mean = 1.0F};
+    rollout.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.25F, .mean = 1.0F};
     seen.arrivals_veh[1] = 0.24F;
     ask_with_rows();
     TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, -(20.0F + (0.33F * 55.0F) + (5.3F * 5.3F)), seen.score[0]);
+}
+
+/* The mean says 1.0, rows say 2.0 for a minute, which is believed near by half and far by nothing: 0.5 and 1.25 a
+   second. The tables of the model tell who is expected. */
+static void test_each_row_has_the_skill_of_the_nearer_account(void) {
+    static float row_veh[60];
+    for (uint32_t t = 0U; t < 60U; t++) {
+        row_veh[t] = 2.0F;
+    }
+    start();
+    rollout.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.5F, .mean = 1.0F};
+    rollout.account.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 1.0F, .mean = 1.0F};
+    seen.view.foreseen_steps = 60U;
+    seen.view.foreseen_veh[0] = row_veh;
+    seen.view.foreseen_veh[1] = row_veh;
+    seen.arrivals_veh[1] = 1.0F;
+    set_queues(0.0F, 1.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    const float near_veh = rollout.arrived_veh[20][1] - rollout.arrived_veh[19][1];
+    const float far_veh = rollout.arrived_veh[21][1] - rollout.arrived_veh[20][1];
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 1.25F, near_veh);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F, far_veh);
 }
 
 /* Vehicles of two approaches come in every other second; rows of a minute say `said_veh` of those
@@ -236,6 +258,7 @@ static void test_rows_that_come_true_count_in_full(void) {
 /* Wrong by 0.1 where the mean is wrong by 0.5: a skill of 1 - 0.01 / 0.25. */
 static void test_rows_count_by_what_they_have_been_better_than_the_mean(void) {
     TEST_ASSERT_FLOAT_WITHIN(0.004F, 0.96F, weight_after(600U, 0.9F));
+    TEST_ASSERT_FLOAT_WITHIN(0.004F, 0.96F, rollout.near_weight);
 }
 
 static void test_rows_that_are_no_better_than_the_mean_count_for_nothing(void) {
@@ -246,6 +269,10 @@ static void test_rows_that_are_no_better_than_the_mean_count_for_nothing(void) {
 static void test_skill_is_known_after_a_minute_of_comparing(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0F, weight_after(ELMOPP_ACCOUNT_PROBE_S + 59U, 1.0F));
     TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 1.0F, weight_after(ELMOPP_ACCOUNT_PROBE_S + 60U, 1.0F));
+    (void)weight_after(ELMOPP_ROLLOUT_NEAR_S + 59U, 1.0F);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, rollout.near_weight);
+    (void)weight_after(ELMOPP_ROLLOUT_NEAR_S + 60U, 1.0F);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 1.0F, rollout.near_weight);
 }
 
 /* 0.4 a second in the rows for 3 s at half weight, then the mean, which is nobody: in the queue for 10, 9 and 8 s. */
@@ -532,6 +559,7 @@ int main(void) {
     RUN_TEST(test_a_stage_that_nobody_asks_for_is_not_tried);
     RUN_TEST(test_rows_are_taken_at_a_fixed_weight);
     RUN_TEST(test_rows_correct_the_mean_by_their_skill);
+    RUN_TEST(test_each_row_has_the_skill_of_the_nearer_account);
     RUN_TEST(test_rows_that_come_true_count_in_full);
     RUN_TEST(test_rows_count_by_what_they_have_been_better_than_the_mean);
     RUN_TEST(test_rows_that_are_no_better_than_the_mean_count_for_nothing);

@@ -12,6 +12,7 @@
 #define NOBODY_VEH 0.01F   /* for the rule: less is rounding, and must not call for a change */
 #define ROW_MAX_VEH 1.0e6F /* more in a second is no forecast */
 #define SKILL_MIN_S 60U    /* compared for so long before skill counts */
+#define NEAR_ROWS ((ELMOPP_ROLLOUT_NEAR_S + ELMOPP_ACCOUNT_PROBE_S) / 2U) /* have the skill of the nearer account */
 
 /* A first action and the rule that follows it. */
 typedef struct {
@@ -82,8 +83,9 @@ static float said_veh(const elmopp_view_t *view, uint32_t approach, uint32_t row
     return (veh > 0.0F) ? elmopp_lesser(veh, ROW_MAX_VEH) : 0.0F;
 }
 
-/* Compares what rows said of this second with who came, and enters what they say now. */
-static void keep_account(elmopp_rollout_t *self, const elmopp_view_t *view) {
+/* Compares what rows said of this second with who came, and enters what they say now of `ahead_s` later. */
+static void settle(const elmopp_rollout_t *self, elmopp_account_t *account, uint32_t ahead_s,
+                   const elmopp_view_t *view) {
     const elmopp_junction_t *junction = self->junction;
     float came_veh[ELMOPP_APPROACH_MAX];
     float mean_veh[ELMOPP_APPROACH_MAX];
@@ -95,11 +97,11 @@ static void keep_account(elmopp_rollout_t *self, const elmopp_view_t *view) {
         came_veh[junction->movement[j].approach] += view->arrivals_veh[j];
         mean_veh[junction->movement[j].approach] += self->sight.mean_veh_per_s[j];
     }
-    elmopp_account_settle(&self->account, came_veh, junction->approach_count);
-    if (view->foreseen_steps >= ELMOPP_ACCOUNT_PROBE_S) {
-        elmopp_account_probe_t *page = elmopp_account_page(&self->account);
+    elmopp_account_settle(account, came_veh, junction->approach_count);
+    if (view->foreseen_steps >= ahead_s) {
+        elmopp_account_probe_t *page = elmopp_account_page_ahead(account, ahead_s);
         for (uint32_t i = 0U; i < junction->approach_count; i++) {
-            page->forecast_veh[i] = said_veh(view, i, ELMOPP_ACCOUNT_PROBE_S - 1U);
+            page->forecast_veh[i] = said_veh(view, i, ahead_s - 1U);
             page->persistence_veh[i] = came_veh[i];
             page->mean_veh[i] = mean_veh[i];
         }
@@ -114,9 +116,12 @@ static float skill_of(const elmopp_account_error_t *error) {
 }
 
 static void weigh_rows(elmopp_rollout_t *self, const elmopp_view_t *view) {
+    self->near_weight = self->options.row_weight;
     self->row_weight = self->options.row_weight;
     if (self->options.weigh_skill) {
-        keep_account(self, view);
+        settle(self, &self->near, ELMOPP_ROLLOUT_NEAR_S, view);
+        settle(self, &self->account, ELMOPP_ACCOUNT_PROBE_S, view);
+        self->near_weight = skill_of(&self->near.error);
         self->row_weight = skill_of(&self->account.error);
     }
 }
@@ -131,7 +136,8 @@ static float foreseen(const elmopp_rollout_t *self, const elmopp_view_t *view, u
     }
     const float said = view->share[movement] * said_veh(view, self->junction->movement[movement].approach, row);
     const float base_veh = self->options.weigh_skill ? expected_veh : 0.0F;
-    return base_veh + (self->row_weight * (said - base_veh));
+    const float weight = (row < NEAR_ROWS) ? self->near_weight : self->row_weight;
+    return base_veh + (weight * (said - base_veh));
 }
 
 /* The queue and who comes before each second. Who is hidden behind a full reach comes as fast as a queue can. */

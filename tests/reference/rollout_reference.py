@@ -15,6 +15,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 NEVER = -1
+PROBES = (10, 30)  # so far ahead rows are held against what comes
 LEFT = 0.01  # less may be rounding
 
 
@@ -81,9 +82,10 @@ class Rollout:
         self.hid = [0.0] * count
         self.red = [0] * count
         self.idle = [0] * count
-        self.told: list[tuple[list[float], list[float]] | None] = []  # what rows and mean said of 30 s later
-        self.squares = (0.0, 0.0)
-        self.judged = 0
+        # what rows and mean said of so much later
+        self.told: dict[int, list[tuple[list[float], list[float]] | None]] = {ahead: [] for ahead in PROBES}
+        self.squares = dict.fromkeys(PROBES, (0.0, 0.0))
+        self.judged = dict.fromkeys(PROBES, 0)
         self.ring = [[0.0] * self.setting.travel for _ in range(count)]  # oldest first
         self.num = [[0.0] * count for _ in range(stages)]
         self.den = [[0.0] * count for _ in range(stages)]
@@ -131,20 +133,24 @@ class Rollout:
             [sum(values[j] for j in range(len(arrived)) if self.site.approach[j] == i) for i in approaches]
             for values in (arrived, self.lam)
         ]
-        before = self.told[-30] if len(self.told) >= 30 else None
-        if before is not None:
-            self.judged += 1
-            errors = [sum((s - c) ** 2 for s, c in zip(said, by_approach[0], strict=True)) for said in before]
-            weight = min(self.judged, 300)
-            old, mean = self.squares
-            self.squares = (old + (errors[0] - old) / weight, mean + (errors[1] - mean) / weight)
-        self.told.append(([max(row[29], 0.0) for row in rows], by_approach[1]) if rows else None)
+        for ahead in PROBES:
+            before = self.told[ahead][-ahead] if len(self.told[ahead]) >= ahead else None
+            if before is not None:
+                self.judged[ahead] += 1
+                errors = [sum((s - c) ** 2 for s, c in zip(said, by_approach[0], strict=True)) for said in before]
+                weight = min(self.judged[ahead], 300)
+                old, mean = self.squares[ahead]
+                self.squares[ahead] = (old + (errors[0] - old) / weight, mean + (errors[1] - mean) / weight)
+            said_now = ([max(row[ahead - 1], 0.0) for row in rows], by_approach[1]) if rows else None
+            self.told[ahead].append(said_now)
 
-    def row_weight(self) -> float:
-        said, mean = self.squares
+    def row_weight(self, row: int = 59) -> float:
+        """The skill that was measured nearer to a row."""
+        ahead = PROBES[0] if row < sum(PROBES) / 2 else PROBES[1]
+        said, mean = self.squares[ahead]
         if not self.setting.by_skill:
             return self.setting.f_rows
-        return 1.0 - said / mean if self.judged >= 60 and said < mean else 0.0
+        return 1.0 - said / mean if self.judged[ahead] >= 60 and said < mean else 0.0
 
     def _learn(self, stage: int, lane: int, dep: float) -> None:
         prior = self.s[lane]
@@ -189,7 +195,7 @@ class Rollout:
         return sum(n * sat for n, sat in zip(self.n, self.sat[stage], strict=True))
 
     def _expect(self, rows: list[list[float]], share: list[float]) -> None:
-        travel, weight, self.a = self.setting.travel, self.row_weight(), []
+        travel, self.a = self.setting.travel, []
         hid = list(self.hid)
         for k in range(self.setting.horizon):
             second = []
@@ -200,6 +206,7 @@ class Rollout:
                 row = rows[self.site.approach[lane]] if rows else []
                 come = self.setting.f_mean * self.lam[lane]
                 if k - travel < min(len(row), self.setting.rows):
+                    weight = self.row_weight(k - travel)
                     kept = (1.0 - weight) * come if self.setting.by_skill else 0.0
                     come = kept + weight * share[lane] * row[k - travel]
                 rise = min(max(self.s[lane] - come, 0.0), hid[lane])

@@ -17,7 +17,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define ELMOPP_ACCOUNT_PROBE_S 30U   ///< how far ahead it looks
+#define ELMOPP_ACCOUNT_PROBE_S 30U   ///< how far ahead it looks, at most
 #define ELMOPP_ACCOUNT_WINDOW_S 300U ///< how far back it remembers
 
 /// Mean squared errors over the last minutes, over all approaches; (vehicles/s)^2.
@@ -49,5 +49,8 @@ void elmopp_account_settle(elmopp_account_t *self, const float *came_veh, uint32
 /// The probe in which to enter what is said now, after the second was settled: the caller fills its rows and sets
 /// `said`. Entering twice in one second keeps the last.
 elmopp_account_probe_t *elmopp_account_page(elmopp_account_t *self);
+
+/// The same for an account that looks only `ahead_s` ahead, 1 to ELMOPP_ACCOUNT_PROBE_S: always as far.
+elmopp_account_probe_t *elmopp_account_page_ahead(elmopp_account_t *self, uint32_t ahead_s);
 
 #endif

@@ -13,12 +13,12 @@
 /// pass in the same second; without a reach he is counted before he can go. Who will come is foreseen: the mean of the
 /// arrivals at mean_weight, m, and, as far as rows_s, m + w (r - m) with a row's value r, each movement with its share.
 /// m is half the mean, because who may come is not who will: counted in full he keeps greens for nobody. w is what the
-/// rows have earned: an account (account.h) of what they said 30 s ahead gives their skill 1 - MSE of the rows / MSE of
-/// the mean, never below 0. So a forecast that knows nothing does no harm, and one that knows all counts in full.
-/// A green queue leaves with the flow that the stage was seen to give it, or after the junction's discharge law where
-/// that depends on the queue; half as fast while it is blocked. A change of stage takes the site's intergreen, of whose
-/// amber yellow_used_s are still driven, and the start-up of what is newly green: the price of a change is worked out,
-/// never set.
+/// rows have earned: accounts (account.h) of what they said 10 and 30 s ahead give their skill 1 - MSE of the rows /
+/// MSE of the mean, never below 0, and each row has that of the nearer one. So a forecast that knows nothing does no
+/// harm, and one that knows all counts in full. A green queue leaves with the flow that the stage was seen to give it,
+/// or after the junction's discharge law where that depends on the queue; half as fast while it is blocked. A change of
+/// stage takes the site's intergreen, of whose amber yellow_used_s are still driven, and the start-up of what is newly
+/// green: the price of a change is worked out, never set.
 ///
 /// The reactive rule is that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of
 /// queue times flow when that is more than ratio times the own one's; at max_s leave anyway. Two ratios are played and
@@ -38,7 +38,7 @@
 ///
 /// The idea is rollout over base policies (Bertsekas); why these, and what was tried: docs/design.md.
 ///
-/// Its state is fixed memory that the caller owns: about 33 kB. Not thread-safe; one owner.
+/// Its state is fixed memory that the caller owns: about 36 kB. Not thread-safe; one owner.
 
 #ifndef ELMOPP_ROLLOUT_H
 #define ELMOPP_ROLLOUT_H
@@ -49,6 +49,7 @@
 
 #define ELMOPP_ROLLOUT_HOLD_MAX 3U
 #define ELMOPP_ROLLOUT_RULE_MAX 2U
+#define ELMOPP_ROLLOUT_NEAR_S 10U
 
 /// What can be varied. elmopp_rollout_defaults() says what was measured to be good; no site needs others.
 typedef struct {
@@ -88,8 +89,10 @@ typedef struct {
     elmopp_rollout_options_t options;
     const elmopp_junction_t *junction; ///< of the first view; null before
     elmopp_sight_t sight;
-    elmopp_account_t account; ///< of the rows
-    float row_weight;         ///< of the rows now
+    elmopp_account_t near;    ///< of the rows, ELMOPP_ROLLOUT_NEAR_S ahead
+    elmopp_account_t account; ///< ... and ELMOPP_ACCOUNT_PROBE_S
+    float near_weight;        ///< of the rows now, as far as the nearer account is nearer
+    float row_weight;         ///< ... and of those behind
     elmopp_rollout_future_t future;
     uint8_t served_count[ELMOPP_STAGE_MAX];                          ///< movements that a stage lets go ...
     uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];           ///< ... and which

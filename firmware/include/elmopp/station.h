@@ -6,7 +6,7 @@
 /// Decides nothing: it looks up what the site asks for and owns the memory that the parts need, so that a port has one
 /// object to place. The forecast knows what a street knows: the shipped regression, running means.
 ///
-/// A chooser's window is the site's. The rollout's state, 33 kB, lies here whether the site names it or not.
+/// A chooser's window is the site's. The rollout's state, 36 kB, lies here whether the site names it or not.
 ///
 /// No allocation. Not thread-safe; one owner, the port. Not movable: the parts point at each other.
 
