@@ -277,6 +277,7 @@ def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
     assert "--chooser" in refused(*scenario)
     assert "no/folder" in refused(*scenario, "--chooser", "naive", "--csv", "no/folder/x.csv")
     assert "no/folder" in refused(*scenario, "--chooser", "naive", "--paths", "no/folder/x.csv")
+    assert "--paths - " in refused(*scenario, "--chooser", "naive", "--paths", "-")
     assert "with 2 seeds" in refused(*scenario, "--chooser", "naive", "--paths", "x.csv", "--seeds", "1-2")
     assert "'nan'" in refused(*scenario, "--chooser", "naive", "--begin", "nan")
     assert "not after" in refused(*scenario, "--begin", 30, "--chooser", "naive")

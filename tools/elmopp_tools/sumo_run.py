@@ -186,6 +186,8 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         junction_wait_s=options.junction_wait,
     )
     _check_chooser(options.chooser, times)
+    if options.paths == "-":
+        raise ScenarioError("--paths - ; a file, as the terminal may have the table")
     if options.paths and len(options.seeds) > 1:
         raise ScenarioError(f"--paths {options.paths} with {len(options.seeds)} seeds ; one, as the file is of one run")
     paths = Path(options.paths) if options.paths else None
