@@ -23,7 +23,7 @@ void tearDown(void) {}
 static void second(const float *came_veh, const float *said_veh) {
     elmopp_account_settle(&account, came_veh, APPROACHES);
     if (said_veh != NULL) {
-        elmopp_account_probe_t *page = elmopp_account_page(&account);
+        elmopp_account_probe_t *page = elmopp_account_page(&account, PROBE);
         for (uint32_t i = 0U; i < APPROACHES; i++) {
             page->forecast_veh[i] = said_veh[i];
             page->persistence_veh[i] = said_veh[i] + 1.0F;
@@ -59,7 +59,7 @@ static void test_what_is_said_of_sooner_falls_due_sooner(void) {
     for (uint32_t ahead_s = 1U; ahead_s <= PROBE; ahead_s++) {
         account = (elmopp_account_t){.due = 7U};
         elmopp_account_settle(&account, nothing, APPROACHES);
-        elmopp_account_page_ahead(&account, ahead_s)->said = true;
+        elmopp_account_page(&account, ahead_s)->said = true;
         for (uint32_t n = 1U; n <= (2U * PROBE); n++) {
             second(nothing, NULL);
             TEST_ASSERT_EQUAL_UINT32((n < ahead_s) ? 0U : 1U, account.error.compared_s);
@@ -84,7 +84,7 @@ static void test_every_second_is_compared_with_its_own(void) {
 static void test_the_last_thing_said_in_a_second_counts(void) {
     static const float first_veh[APPROACHES] = {9.0F, 9.0F, 9.0F};
     second(nothing, first_veh);
-    elmopp_account_page(&account)->forecast_veh[1] = 3.0F;
+    elmopp_account_page(&account, PROBE)->forecast_veh[1] = 3.0F;
     for (uint32_t n = 0U; n < PROBE; n++) {
         second(nothing, NULL);
     }

@@ -174,15 +174,20 @@ static void test_a_stage_that_nobody_asks_for_is_not_tried(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[2]);
 }
 
-/* Two wait on red, and 0.4 a second are foreseen to join them for ten seconds. */
-static void ask_with_rows(void) {
-    static float row_veh[SHORT_S];
-    for (uint32_t t = 0U; t < SHORT_S; t++) {
-        row_veh[t] = 0.4F;
+/* Rows of both approaches that say the same of each second. */
+static void foresee(float veh, uint16_t seconds) {
+    static float row_veh[ELMOPP_HORIZON_MAX];
+    for (uint32_t t = 0U; t < seconds; t++) {
+        row_veh[t] = veh;
     }
-    seen.view.foreseen_steps = SHORT_S;
+    seen.view.foreseen_steps = seconds;
     seen.view.foreseen_veh[0] = row_veh;
     seen.view.foreseen_veh[1] = row_veh;
+}
+
+/* Two wait on red, and 0.4 a second are foreseen to join them for ten seconds. */
+static void ask_with_rows(void) {
+    foresee(0.4F, SHORT_S);
     seen.share[0] = 0.0F;
     set_queues(0.0F, 2.0F, 0.0F);
     (void)ask_in(0U, 50U);
@@ -209,19 +214,13 @@ static void test_rows_correct_the_mean_by_their_skill(void) {
     TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, -(20.0F + (0.33F * 55.0F) + (5.3F * 5.3F)), seen.score[0]);
 }
 
-/* The mean says 1.0, rows say 2.0 for a minute, which is believed near by half and far by nothing: 0.5 and 1.25 a
+/* Half the mean is 0.5, rows say 2.0 for a minute, which is believed near by half and far by nothing: 1.25 and 0.5 a
    second. The tables of the model tell who is expected. */
 static void test_each_row_has_the_skill_of_the_nearer_account(void) {
-    static float row_veh[60];
-    for (uint32_t t = 0U; t < 60U; t++) {
-        row_veh[t] = 2.0F;
-    }
     start();
     rollout.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.5F, .mean = 1.0F};
     rollout.account.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 1.0F, .mean = 1.0F};
-    seen.view.foreseen_steps = 60U;
-    seen.view.foreseen_veh[0] = row_veh;
-    seen.view.foreseen_veh[1] = row_veh;
+    foresee(2.0F, 60U);
     seen.arrivals_veh[1] = 1.0F;
     set_queues(0.0F, 1.0F, 0.0F);
     (void)ask_in(0U, 50U);
@@ -327,16 +326,10 @@ static void test_who_drives_is_queued_when_he_arrives(void) {
 /* 0.5 come and 0.5 can go in each of ten seconds on green. Who is seen to drive passes; without a reach half a vehicle
    is left in each second for the next, as the simulator's traffic without one does it. */
 static void test_without_a_reach_who_comes_goes_a_second_later(void) {
-    static float row_veh[SHORT_S];
-    for (uint32_t t = 0U; t < SHORT_S; t++) {
-        row_veh[t] = 0.5F;
-    }
     options.weigh_skill = false;
     options.row_weight = 1.0F;
     look_ten_seconds_ahead();
-    seen.view.foreseen_steps = SHORT_S;
-    seen.view.foreseen_veh[0] = row_veh;
-    seen.view.foreseen_veh[1] = row_veh;
+    foresee(0.5F, SHORT_S);
     seen.share[1] = 0.0F;
     set_queues(0.0F, 2.0F, 0.0F);
     (void)ask_in(0U, 50U);
@@ -409,8 +402,7 @@ static void test_among_equals_the_lowest_index_wins(void) {
     TEST_ASSERT_EQUAL_UINT8(0U, ask_in(2U, 100U));
 }
 
-/* One vehicle of the last movement has waited `waited_s`; then many want the second one's stage, and the costs say so.
- */
+/* One vehicle of the last movement has waited `waited_s`; then many want the second one's stage, as the costs say. */
 static elmopp_stage_t ask_with_one_waiting(uint32_t waited_s) {
     start_with_stages(3U);
     set_queues(90.0F, 0.0F, 1.0F);

@@ -31,10 +31,6 @@ void elmopp_account_settle(elmopp_account_t *self, const float *came_veh, uint32
 }
 
 /* The next second settles the due probe, so the `ahead_s`th one that many less one after it. */
-elmopp_account_probe_t *elmopp_account_page_ahead(elmopp_account_t *self, uint32_t ahead_s) {
+elmopp_account_probe_t *elmopp_account_page(elmopp_account_t *self, uint32_t ahead_s) {
     return &self->probe[(self->due + ahead_s - 1U) % ELMOPP_ACCOUNT_PROBE_S];
-}
-
-elmopp_account_probe_t *elmopp_account_page(elmopp_account_t *self) {
-    return elmopp_account_page_ahead(self, ELMOPP_ACCOUNT_PROBE_S);
 }

@@ -204,7 +204,7 @@ static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
 
 /* Enters what is said about the probe's second. */
 static void enter(elmopp_forecast_t *self) {
-    elmopp_account_probe_t *page = elmopp_account_page(&self->account);
+    elmopp_account_probe_t *page = elmopp_account_page(&self->account, ELMOPP_ACCOUNT_PROBE_S);
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
         page->forecast_veh[i] = self->row_veh[i][ELMOPP_ACCOUNT_PROBE_S - 1U];
         page->persistence_veh[i] = self->last_veh[i][0];

@@ -83,27 +83,32 @@ static float said_veh(const elmopp_view_t *view, uint32_t approach, uint32_t row
     return (veh > 0.0F) ? elmopp_lesser(veh, ROW_MAX_VEH) : 0.0F;
 }
 
-/* Compares what rows said of this second with who came, and enters what they say now of `ahead_s` later. */
-static void settle(const elmopp_rollout_t *self, elmopp_account_t *account, uint32_t ahead_s,
-                   const elmopp_view_t *view) {
-    const elmopp_junction_t *junction = self->junction;
+/* Who came in this second and who comes in the mean, [approach]. */
+typedef struct {
     float came_veh[ELMOPP_APPROACH_MAX];
     float mean_veh[ELMOPP_APPROACH_MAX];
-    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-        came_veh[i] = 0.0F;
-        mean_veh[i] = 0.0F;
+} arrivals_t;
+
+static arrivals_t arrivals_of(const elmopp_rollout_t *self, const elmopp_view_t *view) {
+    arrivals_t arrivals = {.came_veh = {0.0F}, .mean_veh = {0.0F}};
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const uint32_t approach = self->junction->movement[j].approach;
+        arrivals.came_veh[approach] += view->arrivals_veh[j];
+        arrivals.mean_veh[approach] += self->sight.mean_veh_per_s[j];
     }
-    for (uint32_t j = 0U; j < junction->movement_count; j++) {
-        came_veh[junction->movement[j].approach] += view->arrivals_veh[j];
-        mean_veh[junction->movement[j].approach] += self->sight.mean_veh_per_s[j];
-    }
-    elmopp_account_settle(account, came_veh, junction->approach_count);
+    return arrivals;
+}
+
+/* Compares what rows said of this second with who came, and enters what they say now of `ahead_s` later. */
+static void settle(elmopp_account_t *account, uint32_t ahead_s, const elmopp_view_t *view, const arrivals_t *arrivals) {
+    const uint32_t approaches = view->junction->approach_count;
+    elmopp_account_settle(account, arrivals->came_veh, approaches);
     if (view->foreseen_steps >= ahead_s) {
-        elmopp_account_probe_t *page = elmopp_account_page_ahead(account, ahead_s);
-        for (uint32_t i = 0U; i < junction->approach_count; i++) {
+        elmopp_account_probe_t *page = elmopp_account_page(account, ahead_s);
+        for (uint32_t i = 0U; i < approaches; i++) {
             page->forecast_veh[i] = said_veh(view, i, ahead_s - 1U);
-            page->persistence_veh[i] = came_veh[i];
-            page->mean_veh[i] = mean_veh[i];
+            page->persistence_veh[i] = arrivals->came_veh[i];
+            page->mean_veh[i] = arrivals->mean_veh[i];
         }
         page->said = true;
     }
@@ -119,15 +124,15 @@ static void weigh_rows(elmopp_rollout_t *self, const elmopp_view_t *view) {
     self->near_weight = self->options.row_weight;
     self->row_weight = self->options.row_weight;
     if (self->options.weigh_skill) {
-        settle(self, &self->near, ELMOPP_ROLLOUT_NEAR_S, view);
-        settle(self, &self->account, ELMOPP_ACCOUNT_PROBE_S, view);
+        const arrivals_t arrivals = arrivals_of(self, view);
+        settle(&self->near, ELMOPP_ROLLOUT_NEAR_S, view, &arrivals);
+        settle(&self->account, ELMOPP_ACCOUNT_PROBE_S, view, &arrivals);
         self->near_weight = skill_of(&self->near.error);
         self->row_weight = skill_of(&self->account.error);
     }
 }
 
-/* Who reaches the queue in second `step`, beyond the reach: the mean, corrected by a row as far as rows are believed.
- */
+/* Who reaches the queue in second `step`, beyond the reach: the mean, corrected by a row as far as it is believed. */
 static float foreseen(const elmopp_rollout_t *self, const elmopp_view_t *view, uint32_t movement, uint32_t step) {
     const float expected_veh = self->expected_veh_per_s[movement];
     const uint32_t row = step - self->options.sight.travel_s;

@@ -81,8 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     try:
         jobs = _jobs(options)
-        _check_output("--csv", options.csv)
-        _check_output("--paths", options.paths or "-")
+        _check_output("--csv", None if options.csv == "-" else Path(options.csv))
+        _check_output("--paths", options.paths)
         rows = _run_all(jobs, options.jobs)
     except (ScenarioError, SignalError, LibraryError) as error:
         say("sumo-run", str(error))
@@ -132,7 +132,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--reach", metavar="M", type=_reach, default=100.0, help="how far cameras see (default: 100)")
     parser.add_argument("--csv", metavar="FILE", default="-", help="the table (default: -, the terminal)")
     parser.add_argument(
-        "--paths", metavar="FILE",
+        "--paths", metavar="FILE", type=Path,
         help="where each vehicle in reach was in each second, of one seed: for tools/report --paths",
     )  # fmt: skip
     parser.add_argument("--jobs", metavar="N", type=_whole(1, 1024), default=os.cpu_count() or 1, help="runs at a time")
@@ -186,13 +186,12 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         junction_wait_s=options.junction_wait,
     )
     _check_chooser(options.chooser, times)
-    if options.paths == "-":
+    if options.paths == Path("-"):
         raise ScenarioError("--paths - ; a file, as the terminal may have the table")
     if options.paths and len(options.seeds) > 1:
         raise ScenarioError(f"--paths {options.paths} with {len(options.seeds)} seeds ; one, as the file is of one run")
-    paths = Path(options.paths) if options.paths else None
     return [
-        Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial, paths)
+        Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial, options.paths)
         for seed in options.seeds
     ]
 
@@ -210,10 +209,10 @@ def _check_chooser(chooser: str, times: Times) -> None:
         raise ScenarioError(f"--chooser {chooser}: {error}, or SUMO's own {', '.join(TYPES)}") from None
 
 
-def _check_output(option: str, name: str) -> None:
-    reason = None if name == "-" else why_not_writable(Path(name))
+def _check_output(option: str, file: Path | None) -> None:
+    reason = why_not_writable(file) if file else None
     if reason is not None:
-        raise ScenarioError(f"{option} {name}: {reason[0]} ; {reason[1]}")
+        raise ScenarioError(f"{option} {file}: {reason[0]} ; {reason[1]}")
 
 
 def _run_all(jobs: Sequence[Job], at_once: int) -> list[dict[str, str]]:
