@@ -89,14 +89,16 @@ typedef struct {
     float mean_veh[ELMOPP_APPROACH_MAX];
 } arrivals_t;
 
-static arrivals_t arrivals_of(const elmopp_rollout_t *self, const elmopp_view_t *view) {
-    arrivals_t arrivals = {.came_veh = {0.0F}, .mean_veh = {0.0F}};
+static void add_up(const elmopp_rollout_t *self, const elmopp_view_t *view, arrivals_t *arrivals) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        arrivals->came_veh[i] = 0.0F;
+        arrivals->mean_veh[i] = 0.0F;
+    }
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         const uint32_t approach = self->junction->movement[j].approach;
-        arrivals.came_veh[approach] += view->arrivals_veh[j];
-        arrivals.mean_veh[approach] += self->sight.mean_veh_per_s[j];
+        arrivals->came_veh[approach] += view->arrivals_veh[j];
+        arrivals->mean_veh[approach] += self->sight.mean_veh_per_s[j];
     }
-    return arrivals;
 }
 
 /* Compares what rows said of this second with who came, and enters what they say now of `ahead_s` later. */
@@ -124,7 +126,8 @@ static void weigh_rows(elmopp_rollout_t *self, const elmopp_view_t *view) {
     self->near_weight = self->options.row_weight;
     self->row_weight = self->options.row_weight;
     if (self->options.weigh_skill) {
-        const arrivals_t arrivals = arrivals_of(self, view);
+        arrivals_t arrivals;
+        add_up(self, view, &arrivals);
         settle(&self->near, ELMOPP_ROLLOUT_NEAR_S, view, &arrivals);
         settle(&self->account, ELMOPP_ACCOUNT_PROBE_S, view, &arrivals);
         self->near_weight = skill_of(&self->near.error);
