@@ -161,13 +161,17 @@ std::uint16_t bound_or(const ChooserSpec &spec, const std::string &option, unsig
 elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setting &setting) {
     const unsigned travel_s = std::min(setting.travel_s, ELMOPP_SIGHT_TRAVEL_MAX_S);
     elmopp_rollout_options_t options = elmopp_rollout_defaults(static_cast<std::uint16_t>(travel_s));
-    std::tie(options.min_s, options.max_s) = rival_window_of(spec, setting);
-    options.horizon_s = seconds_or(spec, "horizon", options.horizon_s, 1, ELMOPP_HORIZON_MAX);
-    options.rows_s = seconds_or(spec, "rows", options.rows_s, 1, ELMOPP_HORIZON_MAX);
+    std::tie(options.future.min_s, options.future.max_s) = rival_window_of(spec, setting);
+    elmopp_coming_options_t &coming = options.coming;
+    coming.horizon_s = seconds_or(spec, "horizon", coming.horizon_s, 1, ELMOPP_HORIZON_MAX);
+    coming.rows_s = seconds_or(spec, "rows", coming.rows_s, 1, ELMOPP_HORIZON_MAX);
     const auto weight = spec.options.find("weight");
-    options.weigh_skill = weight == spec.options.end() || weight->second == "by-skill";
-    options.row_weight = options.weigh_skill ? options.row_weight : share_or(spec, "weight", options.row_weight);
+    coming.weigh_skill = weight == spec.options.end() || weight->second == "by-skill";
+    coming.row_weight = coming.weigh_skill ? coming.row_weight : share_or(spec, "weight", coming.row_weight);
     options.red_s = bound_or(spec, "red", options.red_s);
+    options.caution = share_or(spec, "caution", options.caution);
+    options.others_max = static_cast<std::uint8_t>(
+        whole_or(spec, "others", options.others_max, 1, ELMOPP_STAGE_MAX, "whole number of stages"));
     options.rule_count = has(spec, "one-rule") ? std::uint8_t{1} : options.rule_count;
     return options;
 }

@@ -81,10 +81,12 @@ static void read_junction(void) {
 
 static void read_options(void) {
     options = elmopp_rollout_defaults((uint16_t)next_whole(ELMOPP_SIGHT_TRAVEL_MAX_S));
-    options.horizon_s = (uint16_t)next_whole(ELMOPP_HORIZON_MAX);
+    options.coming.horizon_s = (uint16_t)next_whole(ELMOPP_HORIZON_MAX);
     options.red_s = (uint16_t)next_whole(UINT16_MAX);
-    options.row_weight = next();
-    options.weigh_skill = next_whole(1U) != 0U;
+    options.coming.row_weight = next();
+    options.coming.weigh_skill = next_whole(1U) != 0U;
+    options.others_max = (uint8_t)next_whole(ELMOPP_STAGE_MAX);
+    options.caution = next();
     seconds = next_whole(UINT16_MAX);
     steps = (uint16_t)next_whole(ELMOPP_HORIZON_MAX);
 }

@@ -58,7 +58,7 @@ static void expect_no_scores(void) {
 
 /* Ten seconds that all weigh the same, and a first action that no rule follows: what can be worked out by hand. */
 static void look_ten_seconds_ahead(void) {
-    options.horizon_s = SHORT_S;
+    options.coming.horizon_s = SHORT_S;
     options.hold_count = 1U;
     options.hold_s[0] = SHORT_S;
     options.rule_count = 1U;
@@ -68,27 +68,29 @@ static void look_ten_seconds_ahead(void) {
 static void test_the_defaults_are_those_that_were_measured(void) {
     const elmopp_rollout_options_t measured = elmopp_rollout_defaults(8U);
     TEST_ASSERT_EQUAL_UINT16(8U, measured.sight.travel_s);
-    TEST_ASSERT_EQUAL_UINT16(5U, measured.min_s);
-    TEST_ASSERT_EQUAL_UINT16(60U, measured.max_s);
+    TEST_ASSERT_EQUAL_UINT16(5U, measured.future.min_s);
+    TEST_ASSERT_EQUAL_UINT16(60U, measured.future.max_s);
     TEST_ASSERT_EQUAL_UINT16(120U, measured.red_s);
-    TEST_ASSERT_EQUAL_UINT16(120U, measured.horizon_s);
+    TEST_ASSERT_EQUAL_UINT16(120U, measured.coming.horizon_s);
     const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 3U, 10U};
     TEST_ASSERT_EQUAL_UINT16_ARRAY(hold_s, measured.hold_s, measured.hold_count);
-    const float ratio[ELMOPP_ROLLOUT_RULE_MAX] = {3.0F, 6.0F};
+    const float ratio[ELMOPP_ROLLOUT_RULE_MAX] = {2.5F, 4.0F, 6.0F};
     TEST_ASSERT_EQUAL_FLOAT_ARRAY(ratio, measured.ratio, measured.rule_count);
-    TEST_ASSERT_TRUE(measured.weigh_skill);
-    TEST_ASSERT_EQUAL_UINT16(30U, measured.rows_s);
-    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.row_weight);
-    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.mean_weight);
-    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.yellow_used_s);
+    TEST_ASSERT_EQUAL_UINT8(4U, measured.others_max);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.caution);
+    TEST_ASSERT_TRUE(measured.coming.weigh_skill);
+    TEST_ASSERT_EQUAL_UINT16(30U, measured.coming.rows_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.coming.row_weight);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.coming.mean_weight);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.future.yellow_used_s);
 }
 
 static void test_it_asks_for_the_forecast_that_its_horizon_needs(void) {
     TEST_ASSERT_EQUAL_UINT16(30U, chooser.horizon_s);
     options = elmopp_rollout_defaults(8U);
-    options.rows_s = ELMOPP_HORIZON_MAX;
+    options.coming.rows_s = ELMOPP_HORIZON_MAX;
     TEST_ASSERT_EQUAL_UINT16(112U, elmopp_rollout_init(&rollout, &options).horizon_s);
-    options.horizon_s = 8U;
+    options.coming.horizon_s = 8U;
     TEST_ASSERT_EQUAL_UINT16(0U, elmopp_rollout_init(&rollout, &options).horizon_s);
 }
 
@@ -174,6 +176,51 @@ static void test_a_stage_that_nobody_asks_for_is_not_tried(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[2]);
 }
 
+static void test_the_heaviest_others_are_tried_first(void) {
+    options.others_max = 1U;
+    start_with_stages(3U);
+    set_queues(3.0F, 2.0F, 2.5F);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[1]);
+    TEST_ASSERT_TRUE(seen.score[2] < 0.0F);
+    options.others_max = 2U;
+    chooser = elmopp_rollout_init(&rollout, &options);
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_TRUE((seen.score[1] < 0.0F) && (seen.score[2] < 0.0F));
+}
+
+static elmopp_stage_t ask_with_caution(float caution, float own_veh, float scores[2]) {
+    options.caution = caution;
+    start_with_stages(3U);
+    seen.arrivals_veh[0] = 0.3F;
+    seen.arrivals_veh[1] = 0.2F;
+    set_queues(own_veh, 9.0F, 6.0F);
+    const elmopp_stage_t wanted = ask_in(0U, 100U);
+    scores[0] = seen.score[0];
+    scores[1] = seen.score[1];
+    return wanted;
+}
+
+/* What is kept has no doubt; a change that is worth less under one rule than in the mean has, the more of it the
+   greater the caution. So caution keeps more often. */
+static void test_a_change_must_pay_whatever_is_done_after_it(void) {
+    uint32_t fewer = 0U;
+    for (float own_veh = 0.0F; own_veh < 12.0F; own_veh += 0.25F) {
+        float bold[2];
+        float between[2];
+        float cautious[2];
+        const elmopp_stage_t by_the_mean = ask_with_caution(0.0F, own_veh, bold);
+        (void)ask_with_caution(0.5F, own_veh, between);
+        const elmopp_stage_t by_the_worst = ask_with_caution(1.0F, own_veh, cautious);
+        TEST_ASSERT_EQUAL_FLOAT(bold[0], cautious[0]);
+        TEST_ASSERT_TRUE(cautious[1] <= bold[1]);
+        TEST_ASSERT_FLOAT_WITHIN(0.01F, 0.5F * (bold[1] + cautious[1]), between[1]);
+        TEST_ASSERT_TRUE((by_the_worst == 0U) || (by_the_mean != 0U));
+        fewer += ((by_the_worst == 0U) && (by_the_mean != 0U)) ? 1U : 0U;
+    }
+    TEST_ASSERT_TRUE(fewer > 0U);
+}
+
 /* Rows of both approaches that say the same of each second. */
 static void foresee(float veh, uint16_t seconds) {
     static float row_veh[ELMOPP_HORIZON_MAX];
@@ -195,11 +242,11 @@ static void ask_with_rows(void) {
 
 /* 0.4 vehicles a second at half weight: the second queue is 2.2, 2.4, ... 4. */
 static void test_rows_are_taken_at_a_fixed_weight(void) {
-    options.weigh_skill = false;
+    options.coming.weigh_skill = false;
     look_ten_seconds_ahead();
     ask_with_rows();
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 55.0F) + 16.0F), seen.score[0]);
-    options.row_weight = 1.0F;
+    options.coming.row_weight = 1.0F;
     chooser = elmopp_rollout_init(&rollout, &options);
     (void)ask_in(0U, 50U);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.4F * 55.0F) + 36.0F), seen.score[0]);
@@ -208,7 +255,7 @@ static void test_rows_are_taken_at_a_fixed_weight(void) {
 /* 0.24 a second came, half of it is expected; rows of 0.4 with a skill of 3/4: 0.12 + 0.75 * 0.28 = 0.33. */
 static void test_rows_correct_the_mean_by_their_skill(void) {
     look_ten_seconds_ahead();
-    rollout.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.25F, .mean = 1.0F};
+    rollout.coming.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.25F, .mean = 1.0F};
     seen.arrivals_veh[1] = 0.24F;
     ask_with_rows();
     TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, -(20.0F + (0.33F * 55.0F) + (5.3F * 5.3F)), seen.score[0]);
@@ -218,14 +265,14 @@ static void test_rows_correct_the_mean_by_their_skill(void) {
    second. The tables of the model tell who is expected. */
 static void test_each_row_has_the_skill_of_the_nearer_account(void) {
     start();
-    rollout.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.5F, .mean = 1.0F};
-    rollout.account.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 1.0F, .mean = 1.0F};
+    rollout.coming.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.5F, .mean = 1.0F};
+    rollout.coming.far.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 1.0F, .mean = 1.0F};
     foresee(2.0F, 60U);
     seen.arrivals_veh[1] = 1.0F;
     set_queues(0.0F, 1.0F, 0.0F);
     (void)ask_in(0U, 50U);
-    const float near_veh = rollout.arrived_veh[20][1] - rollout.arrived_veh[19][1];
-    const float far_veh = rollout.arrived_veh[21][1] - rollout.arrived_veh[20][1];
+    const float near_veh = rollout.coming.arrived_veh[20][1] - rollout.coming.arrived_veh[19][1];
+    const float far_veh = rollout.coming.arrived_veh[21][1] - rollout.coming.arrived_veh[20][1];
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 1.25F, near_veh);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F, far_veh);
 }
@@ -247,7 +294,7 @@ static float weight_after(uint32_t seconds, float said_veh) {
         seen.arrivals_veh[1] = seen.arrivals_veh[0];
         (void)ask_in(0U, 50U);
     }
-    return rollout.row_weight;
+    return rollout.coming.far_weight;
 }
 
 static void test_rows_that_come_true_count_in_full(void) {
@@ -257,7 +304,7 @@ static void test_rows_that_come_true_count_in_full(void) {
 /* Wrong by 0.1 where the mean is wrong by 0.5: a skill of 1 - 0.01 / 0.25. */
 static void test_rows_count_by_what_they_have_been_better_than_the_mean(void) {
     TEST_ASSERT_FLOAT_WITHIN(0.004F, 0.96F, weight_after(600U, 0.9F));
-    TEST_ASSERT_FLOAT_WITHIN(0.004F, 0.96F, rollout.near_weight);
+    TEST_ASSERT_FLOAT_WITHIN(0.004F, 0.96F, rollout.coming.near_weight);
 }
 
 static void test_rows_that_are_no_better_than_the_mean_count_for_nothing(void) {
@@ -268,16 +315,16 @@ static void test_rows_that_are_no_better_than_the_mean_count_for_nothing(void) {
 static void test_skill_is_known_after_a_minute_of_comparing(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.0F, weight_after(ELMOPP_ACCOUNT_PROBE_S + 59U, 1.0F));
     TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 1.0F, weight_after(ELMOPP_ACCOUNT_PROBE_S + 60U, 1.0F));
-    (void)weight_after(ELMOPP_ROLLOUT_NEAR_S + 59U, 1.0F);
-    TEST_ASSERT_EQUAL_FLOAT(0.0F, rollout.near_weight);
-    (void)weight_after(ELMOPP_ROLLOUT_NEAR_S + 60U, 1.0F);
-    TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 1.0F, rollout.near_weight);
+    (void)weight_after(ELMOPP_COMING_NEAR_S + 59U, 1.0F);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, rollout.coming.near_weight);
+    (void)weight_after(ELMOPP_COMING_NEAR_S + 60U, 1.0F);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 1.0F, rollout.coming.near_weight);
 }
 
 /* 0.4 a second in the rows for 3 s at half weight, then the mean, which is nobody: in the queue for 10, 9 and 8 s. */
 static void test_rows_are_read_as_far_as_asked(void) {
-    options.rows_s = 3U;
-    options.weigh_skill = false;
+    options.coming.rows_s = 3U;
+    options.coming.weigh_skill = false;
     look_ten_seconds_ahead();
     TEST_ASSERT_EQUAL_UINT16(3U, chooser.horizon_s);
     ask_with_rows();
@@ -285,13 +332,13 @@ static void test_rows_are_read_as_far_as_asked(void) {
 }
 
 static void test_a_fixed_weight_is_not_earned(void) {
-    options.weigh_skill = false;
+    options.coming.weigh_skill = false;
     TEST_ASSERT_EQUAL_FLOAT(0.5F, weight_after(200U, 1.0F));
 }
 
 static void test_a_row_that_is_no_number_is_nobody(void) {
     static float row_veh[SHORT_S];
-    options.weigh_skill = false;
+    options.coming.weigh_skill = false;
     look_ten_seconds_ahead();
     for (uint32_t t = 0U; t < SHORT_S; t++) {
         row_veh[t] = ((t % 2U) == 0U) ? NAN : -1.0F;
@@ -315,7 +362,7 @@ static void test_without_rows_the_mean_of_the_arrivals_counts_half(void) {
 /* Two drive 3 s: not queued in seconds 1 and 2, then for the other 8. */
 static void test_who_drives_is_queued_when_he_arrives(void) {
     options.sight.travel_s = 3U;
-    options.mean_weight = 0.0F;
+    options.coming.mean_weight = 0.0F;
     look_ten_seconds_ahead();
     set_queues(0.0F, 2.0F, 0.0F);
     seen.arrivals_veh[1] = 2.0F;
@@ -326,8 +373,8 @@ static void test_who_drives_is_queued_when_he_arrives(void) {
 /* 0.5 come and 0.5 can go in each of ten seconds on green. Who is seen to drive passes; without a reach half a vehicle
    is left in each second for the next, as the simulator's traffic without one does it. */
 static void test_without_a_reach_who_comes_goes_a_second_later(void) {
-    options.weigh_skill = false;
-    options.row_weight = 1.0F;
+    options.coming.weigh_skill = false;
+    options.coming.row_weight = 1.0F;
     look_ten_seconds_ahead();
     foresee(0.5F, SHORT_S);
     seen.share[1] = 0.0F;
@@ -494,7 +541,7 @@ static void test_whatever_is_counted_it_names_a_stage_and_finite_scores(void) {
         options = elmopp_rollout_defaults(ELMOPP_SIGHT_TRAVEL_MAX_S);
         start();
         ask_wildly(i, DECISIONS / 1000U);
-        options.horizon_s = 4U;
+        options.coming.horizon_s = 4U;
         start();
         ask_wildly(i, DECISIONS / TEST_SITE_COUNT);
     }
@@ -515,23 +562,27 @@ static void test_the_same_counts_give_the_same_answers_and_bits(void) {
 
 static void test_options_that_make_no_sense_are_a_bug(void) {
     const elmopp_rollout_options_t good = elmopp_rollout_defaults(8U);
-    elmopp_rollout_options_t bad[12];
-    for (uint32_t i = 0U; i < 12U; i++) {
+    elmopp_rollout_options_t bad[16];
+    for (uint32_t i = 0U; i < 16U; i++) {
         bad[i] = good;
     }
-    bad[0].min_s = 0U;
-    bad[1].max_s = 4U;
-    bad[2].horizon_s = 0U;
-    bad[3].horizon_s = ELMOPP_HORIZON_MAX + 1U;
+    bad[0].future.min_s = 0U;
+    bad[1].future.max_s = 4U;
+    bad[2].coming.horizon_s = 0U;
+    bad[3].coming.horizon_s = ELMOPP_HORIZON_MAX + 1U;
     bad[4].hold_count = 0U;
     bad[5].rule_count = ELMOPP_ROLLOUT_RULE_MAX + 1U;
     bad[6].hold_s[2] = 0U;
     bad[7].ratio[1] = 0.9F;
-    bad[8].mean_weight = -0.1F;
-    bad[9].row_weight = 1.1F;
-    bad[10].yellow_used_s = -1.0F;
+    bad[8].coming.mean_weight = -0.1F;
+    bad[9].coming.row_weight = 1.1F;
+    bad[10].future.yellow_used_s = -1.0F;
     bad[11].sight.travel_s = ELMOPP_SIGHT_TRAVEL_MAX_S + 1U;
-    for (uint32_t i = 0U; i < 12U; i++) {
+    bad[12].others_max = 0U;
+    bad[13].caution = -0.1F;
+    bad[14].caution = 1.1F;
+    bad[15].future.blocked_share = 1.1F;
+    for (uint32_t i = 0U; i < 16U; i++) {
         TEST_EXPECT_ASSERT((void)elmopp_rollout_init(&rollout, &bad[i]));
     }
 }
@@ -549,6 +600,8 @@ int main(void) {
     RUN_TEST(test_the_price_of_a_change_decides);
     RUN_TEST(test_a_score_is_minus_the_sum_of_all_queues);
     RUN_TEST(test_a_stage_that_nobody_asks_for_is_not_tried);
+    RUN_TEST(test_the_heaviest_others_are_tried_first);
+    RUN_TEST(test_a_change_must_pay_whatever_is_done_after_it);
     RUN_TEST(test_rows_are_taken_at_a_fixed_weight);
     RUN_TEST(test_rows_correct_the_mean_by_their_skill);
     RUN_TEST(test_each_row_has_the_skill_of_the_nearer_account);

@@ -214,27 +214,34 @@ void test_rivals_have_their_sources_defaults() {
 
 void test_the_rollout_takes_its_options() {
     const auto options = state_of<elmopp_rollout_t>("rollout").options;
-    TEST_ASSERT_EQUAL_UINT(5, options.min_s);
-    TEST_ASSERT_EQUAL_UINT(60, options.max_s);
-    TEST_ASSERT_EQUAL_UINT(120, options.horizon_s);
+    TEST_ASSERT_EQUAL_UINT(5, options.future.min_s);
+    TEST_ASSERT_EQUAL_UINT(60, options.future.max_s);
+    TEST_ASSERT_EQUAL_UINT(120, options.coming.horizon_s);
     TEST_ASSERT_EQUAL_UINT(120, options.red_s);
-    TEST_ASSERT_EQUAL_UINT(2, options.rule_count);
-    TEST_ASSERT_TRUE(options.weigh_skill);
-    TEST_ASSERT_EQUAL_UINT(30, options.rows_s);
-    const auto given =
-        state_of<elmopp_rollout_t>("rollout@min=7@max=33@horizon=150@weight=1@red=99@rows=150@one-rule").options;
-    TEST_ASSERT_EQUAL_UINT(7, given.min_s);
-    TEST_ASSERT_EQUAL_UINT(33, given.max_s);
-    TEST_ASSERT_EQUAL_UINT(150, given.horizon_s);
-    TEST_ASSERT_FALSE(given.weigh_skill);
-    TEST_ASSERT_EQUAL_FLOAT(1.0F, given.row_weight);
-    TEST_ASSERT_EQUAL_UINT(150, given.rows_s);
-    TEST_ASSERT_TRUE(state_of<elmopp_rollout_t>("rollout@weight=by-skill").options.weigh_skill);
+    TEST_ASSERT_EQUAL_UINT(3, options.rule_count);
+    TEST_ASSERT_EQUAL_UINT(4, options.others_max);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, options.caution);
+    TEST_ASSERT_TRUE(options.coming.weigh_skill);
+    TEST_ASSERT_EQUAL_UINT(30, options.coming.rows_s);
+    const auto given = state_of<elmopp_rollout_t>(
+                           "rollout@min=7@max=33@horizon=150@weight=1@red=99@rows=150@others=2@caution=1@one-rule")
+                           .options;
+    TEST_ASSERT_EQUAL_UINT(2, given.others_max);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, given.caution);
+    TEST_ASSERT_EQUAL_UINT(7, given.future.min_s);
+    TEST_ASSERT_EQUAL_UINT(33, given.future.max_s);
+    TEST_ASSERT_EQUAL_UINT(150, given.coming.horizon_s);
+    TEST_ASSERT_FALSE(given.coming.weigh_skill);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, given.coming.row_weight);
+    TEST_ASSERT_EQUAL_UINT(150, given.coming.rows_s);
+    TEST_ASSERT_TRUE(state_of<elmopp_rollout_t>("rollout@weight=by-skill").options.coming.weigh_skill);
     TEST_ASSERT_EQUAL_UINT(99, given.red_s);
     TEST_ASSERT_EQUAL_UINT(1, given.rule_count);
     TEST_ASSERT_EQUAL_UINT(0, state_of<elmopp_rollout_t>("rollout@red=unlimited").options.red_s);
     expect_words(late_refusal("rollout@horizon=151"), {"horizon", "rollout", "151", "1 to 150"});
     expect_words(late_refusal("rollout@weight=1.5"), {"weight", "rollout", "1.5", "at most 1"});
+    expect_words(late_refusal("rollout@caution=1.5"), {"caution", "rollout", "1.5", "at most 1"});
+    expect_words(late_refusal("rollout@others=33"), {"others", "rollout", "33", "1 to 32"});
     expect_words(refusal("rollout@one-rule=2"), {"one-rule", "no value"});
     expect_words(refusal("rollout@weight=skill"), {"weight", "skill", "a number above 0"});
     expect_words(refusal("elmopp-hold@weight=by-skill"), {"weight", "by-skill", "a number above 0"});
@@ -253,7 +260,8 @@ void test_the_setting_arrives() {
     TEST_ASSERT_EQUAL_UINT(8, state_of<ItlcRounds>(*make("itlc-rounds")).approaching.travel_s());
     TEST_ASSERT_EQUAL_UINT(8, state_of<elmopp_rollout_t>(*make("rollout")).options.sight.travel_s);
     TEST_ASSERT_EQUAL_UINT(112, make("rollout@rows=150")->chooser.horizon_s);
-    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s, state_of<elmopp_rollout_t>(*make("rollout")).options.max_s);
+    TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s,
+                           state_of<elmopp_rollout_t>(*make("rollout")).options.future.max_s);
     TEST_ASSERT_EQUAL_PTR(behind_veh.data(), state_of<MaxPressure>(*make("max-pressure")).downstream_veh);
     TEST_ASSERT_TRUE(state_of<Random>(*make("random")).generator == std::mt19937_64(77));
     TEST_ASSERT_TRUE(state_of<Random>(*make("random@seed=5")).generator == std::mt19937_64(5));

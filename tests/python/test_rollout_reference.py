@@ -139,6 +139,8 @@ def make_case(seed: int) -> Case:
         horizon=source.choice([120, 120, 60, 150]),
         r_trig=source.choice([0, 60, 120, 1000]),
         f_rows=source.choice([0.5, 1.0]),
+        others=source.choice([1, 2, 4]),
+        caution=source.choice([0.0, 0.5, 1.0]),
     )
     seconds = lived(source, site, source.random() < 0.4)
     setting.by_skill = source.random() < 0.8
@@ -156,6 +158,7 @@ def numbers_of(case: Case) -> list[float]:
         numbers += [case.amber_ds[j], *case.intergreen_ds[j]]
     numbers += site.stages
     numbers += [setting.travel, setting.horizon, setting.r_trig, setting.f_rows, setting.by_skill]
+    numbers += [setting.others, setting.caution]
     numbers += [len(case.seconds), len(case.seconds[0].rows[0]) if case.seconds[0].rows else 0]
     for second in case.seconds:
         numbers += [second.stage, second.target, 10 * second.elapsed_s]

@@ -7,12 +7,15 @@ sums taken anew. Where the firmware's header departs from the pseudo-code, so do
 departure, and who is overdue gets the next change, not one at once; a stage serves a movement if all its groups are in
 it; nobody is hidden without a reach; a second teaches one vehicle a lane at most; the reactive rule is pressure's,
 asked in every modelled second after the hold; rows correct the mean as far as they have been better than it; without a
-reach nobody goes in the second in which he comes; and what is left at the horizon costs what it takes to clear it.
+reach nobody goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; and of
+the other stages the heaviest are tried, each rule held against the same rule after keeping, the mean gain less a part
+of what the worst one is behind it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from statistics import fmean
 
 NEVER = -1
 PROBES = (10, 30)  # so far ahead rows are held against what comes
@@ -50,7 +53,9 @@ class Setting:
     travel: int = 0
     horizon: int = 120
     holds: tuple[int, ...] = (1, 3, 10)
-    ratios: tuple[float, ...] = (3.0, 6.0)
+    ratios: tuple[float, ...] = (2.5, 4.0, 6.0)
+    others: int = 4
+    caution: float = 0.5
     g_min: int = 5
     g_max: int = 60
     yuse: float = 0.5
@@ -175,16 +180,24 @@ class Rollout:
             return cur, {}
         self._expect(rows, share)
         self.sx = [self.sat[cur][j] * (0.5 if self.idle[j] >= 8 else 1.0) for j in lanes]
-        values = {}
-        for s in range(len(self.site.stages)):
-            if s == cur and elapsed < self.setting.g_max:
-                tries = [(s, hold, ratio) for hold in self.setting.holds for ratio in self.setting.ratios]
-            elif s != cur and any(self.n[j] > 0.0 and self.serves_well(s, j) for j in lanes):
-                tries = [(s, 0, ratio) for ratio in self.setting.ratios]
-            else:
-                continue
-            values[s] = min(self.roll(cur, elapsed, *each) for each in tries)
-        best = min(values, key=lambda s: (values[s], s)) if values else cur
+        values, ratios = {}, self.setting.ratios
+        kept = None
+        if elapsed < self.setting.g_max:
+            holds = self.setting.holds
+            kept = [min(self.roll(cur, elapsed, cur, hold, ratio) for hold in holds) for ratio in ratios]
+            values[cur] = fmean(kept)
+        called = [
+            s
+            for s in range(len(self.site.stages))
+            if s != cur and any(self.n[j] > 0.0 and self.serves_well(s, j) for j in lanes)
+        ]
+        for s in sorted(called, key=lambda s: (-self._weight(s), s))[: self.setting.others]:
+            costs = [self.roll(cur, elapsed, s, 0, ratio) for ratio in ratios]
+            values[s] = fmean(costs)
+            if kept is not None:
+                gains = [before - after for before, after in zip(kept, costs, strict=True)]
+                values[s] += self.setting.caution * (fmean(gains) - min(gains))
+        best = min(values, key=lambda s: (values[s], s != cur, -self._weight(s), s)) if values else cur
         w = max(waiting, key=lambda j: (self.red[j], -j))
         able = [s for s in range(len(self.site.stages)) if self.serves_well(s, w)]
         if best != cur and able and self.setting.r_trig and self.red[w] >= self.setting.r_trig:

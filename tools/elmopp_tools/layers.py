@@ -47,12 +47,15 @@ ROOMS: dict[str, frozenset[str]] = {
     "timetable": LEVEL_0,
     # level 2: what is learnt, for both models
     "weights": LEVEL_0 | {"ar8", "lstm_f32"},
+    # who comes, and a model of what follows, for a chooser that plans ahead
+    "coming": LEVEL_0 | {"account", "sight"},
+    "future": LEVEL_0 | {"account", "coming", "sight"},
+    "rollout": LEVEL_0 | {"account", "coming", "future", "sight"},
     # level 3: not each other; a chooser's forecast comes in the view
     "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
-    "rollout": LEVEL_0 | {"account", "sight"},
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link"},
     # the other side of the bus, a device of its own
@@ -78,7 +81,16 @@ ROOMS: dict[str, frozenset[str]] = {
     },
 }
 # level 6: a controller with everything that its site names
-ROOMS["station"] = ROOMS["controller"] | {"controller", "pressure", "priced", "rollout", "sight", "urgency"}
+ROOMS["station"] = ROOMS["controller"] | {
+    "coming",
+    "controller",
+    "future",
+    "pressure",
+    "priced",
+    "rollout",
+    "sight",
+    "urgency",
+}
 
 # The standard headers that need no library.
 SYSTEM_HEADERS = frozenset({"assert.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"})

@@ -1,29 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// Rollout: a chooser that tries every next stage in a small model of the junction and takes the cheapest.
+/// Rollout: a chooser that tries the next stages in a small model of the junction and takes what has the best
+/// prospects.
 ///
-/// Once a second, when the stage shown is min_s old, it plays the next horizon_s seconds for each first action: keep
-/// the stage for one of a few times, or change to another stage that somebody waits for. After the first action a
-/// reactive rule decides. The cost V of an action is the sum of all queues over the seconds, and x^2 / 2s for each
-/// queue x that is left then: what it costs at least until it has gone at its flow s. The least V wins, ties go to the
-/// lowest index. The score of a stage is -V, 0 where it was not tried.
+/// Once a second, when the stage shown is min_s old, it plays the next horizon_s seconds (future.h, with who comes from
+/// coming.h) for each first action: keep the stage for one of a few times, or change to one of the others_max stages
+/// for which most vehicles are there, each times its flow. After the first action a reactive rule decides, once for
+/// each of a few ratios.
 ///
-/// The model. A queue stands at the stop line of each movement. Who drives reaches it when he must (sight.h) and may
-/// pass in the same second; without a reach he is counted before he can go. Who will come is foreseen: the mean of the
-/// arrivals at mean_weight, m, and, as far as rows_s, m + w (r - m) with a row's value r, each movement with its share.
-/// m is half the mean, because who may come is not who will: counted in full he keeps greens for nobody. w is what the
-/// rows have earned: accounts (account.h) of what they said 10 and 30 s ahead give their skill 1 - MSE of the rows /
-/// MSE of the mean, never below 0, and each row has that of the nearer one. So a forecast that knows nothing does no
-/// harm, and one that knows all counts in full. A green queue leaves with the flow that the stage was seen to give it,
-/// or after the junction's discharge law where that depends on the queue; half as fast while it is blocked. A change of
-/// stage takes the site's intergreen, of whose amber yellow_used_s are still driven, and the start-up of what is newly
-/// green: the price of a change is worked out, never set.
+/// The gain of a change is what it costs less than the best time to keep the stage, under the same rule. What counts is
+/// the mean gain over the rules less caution times how much worse the worst of them is: a change must pay whatever is
+/// done after it. To take the best rule of each action instead is to believe the luckiest of many guesses: near
+/// capacity it changed twice as often as was good. The greatest gain above 0 wins, of equal ones the stage with more
+/// weight; the stage shown wins ties. A stage's score is minus its mean cost, less that doubt where a change is one; 0
+/// where it was not tried. At max_s, when the stage cannot be kept, the least mean cost wins.
 ///
-/// The reactive rule is that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of
-/// queue times flow when that is more than ratio times the own one's; at max_s leave anyway. Two ratios are played and
-/// the cheaper counts: the small one changes soon, which is right in light traffic, the great one empties its queues
-/// first, which is right where every change costs capacity. That nothing else says which it is, is the point.
+/// The small ratios change soon, which is right in light traffic, the great ones empty their queues first, which is
+/// right where every change costs capacity. That nothing else says which it is, is the point.
 ///
 /// Where nobody waits on red, green rests. A movement that has waited red_s on the chooser's own clock (sight.h) gets
 /// the next change: when the costs say leave, or at max_s, the stage that serves it best follows, wherever they point.
@@ -33,8 +27,8 @@
 /// the plan's (plan.h). A movement that is blocked for ever takes every second stage with it as long as it is.
 ///
 /// What it never does: touch a lamp, look at a route, learn a parameter but the flows of sight.h, ask for a stage that
-/// there is not. Every loop ends at a bound of bounds.h; one decision takes at most
-/// (stages - 1 + holds) times rules rollouts of horizon_s seconds.
+/// there is not. Every loop ends at a bound of bounds.h; one decision plays at most (holds + others_max) times rules
+/// futures.
 ///
 /// The idea is rollout over base policies (Bertsekas); why these, and what was tried: docs/design.md.
 ///
@@ -43,68 +37,39 @@
 #ifndef ELMOPP_ROLLOUT_H
 #define ELMOPP_ROLLOUT_H
 
-#include "elmopp/account.h"
 #include "elmopp/chooser.h"
+#include "elmopp/coming.h"
+#include "elmopp/future.h"
 #include "elmopp/sight.h"
 
 #define ELMOPP_ROLLOUT_HOLD_MAX 3U
-#define ELMOPP_ROLLOUT_RULE_MAX 2U
-#define ELMOPP_ROLLOUT_NEAR_S 10U
+#define ELMOPP_ROLLOUT_RULE_MAX 3U
 
 /// What can be varied. elmopp_rollout_defaults() says what was measured to be good; no site needs others.
 typedef struct {
     elmopp_sight_options_t sight;             ///< travel_s among them
-    uint16_t min_s;                           ///< a stage is never left before; at least 1
-    uint16_t max_s;                           ///< ... and left at if another one is asked for
+    elmopp_coming_options_t coming;           ///< horizon_s among them
+    elmopp_future_options_t future;           ///< min_s and max_s among them
     uint16_t red_s;                           ///< who has waited so long is next; 0: no bound
-    uint16_t horizon_s;                       ///< 1 to ELMOPP_HORIZON_MAX
+    uint8_t others_max;                       ///< stages tried beside the one shown, at least 1
     uint8_t hold_count;                       ///< of hold_s, at least 1
     uint8_t rule_count;                       ///< of ratio, at least 1
     uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX]; ///< how long the stage shown may be kept before the rule decides; >= 1
     float ratio[ELMOPP_ROLLOUT_RULE_MAX];     ///< how much more another stage must press for the rule; at least 1
-    uint16_t rows_s;                          ///< foreseen rows are read so far; half the mean follows
-    bool weigh_skill;                         ///< rows correct the mean as far as they have come true lately
-    float row_weight;                         ///< otherwise they stand for themselves, by this weight, 0 to 1
-    float mean_weight;                        ///< of the mean arrivals, 0 to 1
-    float blocked_share;                      ///< of its flow, for a movement that is blocked
-    float yellow_used_s;                      ///< of the amber, still driven; 0 or more
+    float caution;                            ///< 0: the mean gain counts, 1: that under the worst rule
 } elmopp_rollout_options_t;
-
-/// One future as it is played. Its owner is the rollout.
-typedef struct {
-    const float *flow_veh_per_s;          ///< [movement] in the stage shown
-    float left_veh[ELMOPP_MOVEMENT_MAX];  ///< departures until now
-    float startup_s[ELMOPP_MOVEMENT_MAX]; ///< of the start-up, still to come
-    float left_sum_veh;                   ///< all departures
-    float ratio;
-    uint32_t elapsed_s;    ///< of the stage shown
-    uint32_t change_s;     ///< the intergreen to the target
-    uint32_t remaining_s;  ///< ... and what is left of it
-    elmopp_stage_t shown;  ///< or being left
-    elmopp_stage_t target; ///< being brought up, ELMOPP_STAGE_NONE: none
-} elmopp_rollout_future_t;
 
 /// State. Set up by elmopp_rollout_init(); read `sight` for a log, write nothing.
 typedef struct {
     elmopp_rollout_options_t options;
     const elmopp_junction_t *junction; ///< of the first view; null before
     elmopp_sight_t sight;
-    elmopp_account_t near;    ///< of the rows, ELMOPP_ROLLOUT_NEAR_S ahead
-    elmopp_account_t account; ///< ... and ELMOPP_ACCOUNT_PROBE_S
-    float near_weight;        ///< of the rows now, as far as the nearer account is nearer
-    float row_weight;         ///< ... and of those behind
-    elmopp_rollout_future_t future;
-    uint8_t served_count[ELMOPP_STAGE_MAX];                          ///< movements that a stage lets go ...
-    uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];           ///< ... and which
-    uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX];           ///< [from][to] intergreen in whole seconds
-    float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];               ///< in the stage shown now, less where blocked
-    float expected_veh_per_s[ELMOPP_MOVEMENT_MAX];                   ///< mean arrivals as they are weighted
-    float arrived_veh[ELMOPP_HORIZON_MAX + 1U][ELMOPP_MOVEMENT_MAX]; ///< [step] the queue and who comes before it
-    float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
+    elmopp_coming_t coming;
+    elmopp_future_t future;
 } elmopp_rollout_t;
 
 /// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 3 and 10 s, ratios
-/// 3 and 6, green 5 to 60 s, red 120 s, half a second of the amber driven.
+/// 2.5, 4 and 6, caution 0.5, four other stages, green 5 to 60 s, red 120 s, half a second of the amber driven.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "elmopp/future.h"
+
+#include "elmopp/assert.h"
+#include "elmopp/elementary.h"
+
+#define DS_PER_S 10.0F
+#define NOBODY_VEH 0.01F /* for the rule: less is rounding, and must not call for a change */
+
+/* --- the junction, once --- */
+
+bool elmopp_future_is_sound(const elmopp_future_options_t *options) {
+    const bool window = (options->min_s >= 1U) && (options->min_s <= options->max_s);
+    const bool share = (options->blocked_share >= 0.0F) && (options->blocked_share <= 1.0F);
+    return window && share && (options->yellow_used_s >= 0.0F);
+}
+
+/* The model moves by whole seconds; a change that ends within one has ended at its end. */
+static void price_change(elmopp_future_t *self, uint32_t from, uint32_t to) {
+    const uint16_t *groups = self->junction->stage_groups;
+    const uint32_t clearing_ds = elmopp_junction_clearing_ds(self->junction, groups[from], groups[to]);
+    const uint32_t whole_s = (clearing_ds + ELMOPP_LAMP_TICKS_PER_S - 1U) / ELMOPP_LAMP_TICKS_PER_S;
+    self->change_s[from][to] = (uint16_t)whole_s;
+}
+
+static void list_served(elmopp_future_t *self, uint32_t stage) {
+    uint32_t count = 0U;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        if (elmopp_mask_has(self->sight->serves[stage], j)) {
+            self->served[stage][count] = (uint8_t)j;
+            count++;
+        }
+    }
+    self->served_count[stage] = (uint8_t)count;
+}
+
+void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *options, const elmopp_sight_t *sight,
+                        const elmopp_coming_t *coming) {
+    ELMOPP_ASSERT(elmopp_future_is_sound(options));
+    *self = (elmopp_future_t){.options = *options, .junction = sight->junction, .sight = sight, .coming = coming};
+    for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
+        list_served(self, s);
+        for (uint32_t to = 0U; to < self->junction->stage_count; to++) {
+            price_change(self, s, to);
+        }
+    }
+}
+
+/* --- a decision --- */
+
+void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t elapsed_s) {
+    self->present = shown;
+    self->present_s = elapsed_s;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const float flow = self->sight->flow_veh_per_s[shown][j];
+        const bool blocked = elmopp_sight_is_blocked(self->sight, j);
+        self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
+    }
+}
+
+/* --- one future --- */
+
+/* Flow of a movement that is green: as learnt, or by the law of the junction's profile. */
+static float flow_of(const elmopp_future_t *self, const float *flow_veh_per_s, uint32_t movement, float queue_veh) {
+    const bool learnt = self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
+    return learnt ? flow_veh_per_s[movement] : elmopp_junction_discharge(self->junction, movement, queue_veh);
+}
+
+/* Queue of a movement before second `step`. */
+static float standing(const elmopp_future_t *self, uint32_t step, uint32_t movement) {
+    return elmopp_greater(self->coming->arrived_veh[step][movement] - self->left_veh[movement], 0.0F);
+}
+
+/* Queue times flow, summed over a stage. */
+static float pressure_of(const elmopp_future_t *self, uint32_t stage, const float *flow, const float *queue_veh) {
+    float sum = 0.0F;
+    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
+        const uint32_t j = self->served[stage][i];
+        sum += queue_veh[j] * elmopp_lesser(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
+    }
+    return sum;
+}
+
+/* The reactive rule: the stage that it wants shown in second `step`. */
+static elmopp_stage_t react(const elmopp_future_t *self, float ratio, uint32_t step) {
+    if (self->elapsed_s < self->options.min_s) {
+        return self->shown;
+    }
+    float queue_veh[ELMOPP_MOVEMENT_MAX];
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const float standing_veh = standing(self, step, j);
+        queue_veh[j] = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
+    }
+    float own = 0.0F;
+    float greatest = 0.0F;
+    elmopp_stage_t best = self->shown;
+    for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
+        const float *flow = (s == self->shown) ? self->flow_veh_per_s : self->sight->flow_veh_per_s[s];
+        const float sum = pressure_of(self, s, flow, queue_veh);
+        own = (s == self->shown) ? sum : own;
+        if (sum > greatest) {
+            best = (elmopp_stage_t)s;
+            greatest = sum;
+        }
+    }
+    const bool leave = (self->elapsed_s >= self->options.max_s) || (greatest > (ratio * own));
+    return leave ? best : self->shown;
+}
+
+static elmopp_stage_t wish(const elmopp_future_t *self, const elmopp_future_action_t *action, uint32_t step) {
+    if (step == 0U) {
+        return action->first;
+    }
+    return (step >= action->hold_s) ? react(self, action->ratio, step) : self->shown;
+}
+
+static void begin_change(elmopp_future_t *self, elmopp_stage_t wanted) {
+    if (wanted != self->shown) {
+        self->target = wanted;
+        self->changing_s = self->change_s[self->shown][wanted];
+        self->remaining_s = self->changing_s;
+    }
+}
+
+static void show_target(elmopp_future_t *self) {
+    const elmopp_stage_t target = self->target;
+    for (uint32_t i = 0U; i < self->served_count[target]; i++) {
+        const uint32_t j = self->served[target][i];
+        const bool stays = elmopp_mask_has(self->sight->serves[self->shown], j);
+        self->startup_s[j] = stays ? 0.0F : ((float)self->junction->movement[j].startup_ds / DS_PER_S);
+    }
+    self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
+    self->shown = target;
+    self->target = ELMOPP_STAGE_NONE;
+    self->elapsed_s = 0U;
+}
+
+/* Flow of a movement of the stage shown, of which `amber_share` is left if the movement ends. */
+static float open_flow(const elmopp_future_t *self, uint32_t movement, float queue_veh, float amber_share) {
+    float flow = flow_of(self, self->flow_veh_per_s, movement, queue_veh);
+    if (self->target != ELMOPP_STAGE_NONE) {
+        const bool stays = elmopp_mask_has(self->sight->serves[self->target], movement);
+        const float *next = self->sight->flow_veh_per_s[self->target];
+        flow = stays ? elmopp_lesser(flow, flow_of(self, next, movement, queue_veh)) : (flow * amber_share);
+    }
+    return flow;
+}
+
+/* One second of departures. Who is seen to reach the line in this second may pass in it; without a reach he is counted
+   first, and goes in the next one at the earliest. */
+static void let_go(elmopp_future_t *self, uint32_t step) {
+    const uint32_t there = step + ((self->sight->options.travel_s > 0U) ? 1U : 0U);
+    const uint32_t since_s = self->changing_s - self->remaining_s;
+    const float changing_s = (float)since_s;
+    const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
+    for (uint32_t i = 0U; i < self->served_count[self->shown]; i++) {
+        const uint32_t j = self->served[self->shown][i];
+        const float lost_s = self->startup_s[j];
+        if (lost_s >= 1.0F) {
+            self->startup_s[j] = lost_s - 1.0F;
+        } else {
+            const float queue_veh = standing(self, there, j);
+            const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
+            const float leaving_veh = elmopp_lesser(flow, queue_veh);
+            self->startup_s[j] = 0.0F;
+            self->left_veh[j] += leaving_veh;
+            self->left_sum_veh += leaving_veh;
+        }
+    }
+}
+
+static void play_second(elmopp_future_t *self, const elmopp_future_action_t *action, uint32_t step) {
+    if (self->target == ELMOPP_STAGE_NONE) {
+        begin_change(self, wish(self, action, step));
+    }
+    if ((self->target != ELMOPP_STAGE_NONE) && (self->remaining_s == 0U)) {
+        show_target(self);
+    }
+    let_go(self, step);
+    if (self->target == ELMOPP_STAGE_NONE) {
+        self->elapsed_s++;
+    } else {
+        self->remaining_s--;
+    }
+}
+
+/* What is left at the horizon, cleared movement by movement and at once: x at flow s takes x / s, the mean x / 2. Who
+   can never go is the same in every future. */
+static float cost_of_rest(const elmopp_future_t *self, uint32_t horizon_s) {
+    float cost = 0.0F;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const float left_veh = standing(self, horizon_s, j);
+        const float flow = self->sight->site_veh_per_s[j];
+        cost += (flow > 0.0F) ? ((left_veh * left_veh) / (2.0F * flow)) : 0.0F;
+    }
+    return cost;
+}
+
+static void start(elmopp_future_t *self) {
+    self->flow_veh_per_s = self->present_flow_veh_per_s;
+    self->left_sum_veh = 0.0F;
+    self->elapsed_s = self->present_s;
+    self->changing_s = 0U;
+    self->remaining_s = 0U;
+    self->shown = self->present;
+    self->target = ELMOPP_STAGE_NONE;
+    for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
+        self->left_veh[j] = 0.0F;
+        self->startup_s[j] = 0.0F;
+    }
+}
+
+float elmopp_future_cost(elmopp_future_t *self, const elmopp_future_action_t *action) {
+    const uint32_t horizon_s = self->coming->options.horizon_s;
+    start(self);
+    float cost = 0.0F;
+    for (uint32_t k = 0U; k < horizon_s; k++) {
+        play_second(self, action, k);
+        cost += elmopp_greater(self->coming->arrived_sum_veh[k + 1U] - self->left_sum_veh, 0.0F);
+    }
+    return cost + cost_of_rest(self, horizon_s);
+}
