@@ -171,6 +171,17 @@ static void sum_arrivals(elmopp_rollout_t *self, const elmopp_view_t *view, uint
     }
 }
 
+/* The greatest flow of each movement in any stage. */
+static void find_fastest(const elmopp_rollout_t *self, float fastest_veh_per_s[ELMOPP_MOVEMENT_MAX]) {
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        float fastest = 0.0F;
+        for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
+            fastest = elmopp_greater(self->sight.flow_veh_per_s[s][j], fastest);
+        }
+        fastest_veh_per_s[j] = fastest;
+    }
+}
+
 static void expect_all(elmopp_rollout_t *self, const elmopp_view_t *view) {
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         sum_arrivals(self, view, j);
@@ -178,21 +189,30 @@ static void expect_all(elmopp_rollout_t *self, const elmopp_view_t *view) {
         const bool blocked = elmopp_sight_is_blocked(&self->sight, j);
         self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
     }
+    float fastest_veh_per_s[ELMOPP_MOVEMENT_MAX];
+    find_fastest(self, fastest_veh_per_s);
     for (uint32_t k = 0U; k <= self->options.horizon_s; k++) {
         float sum_veh = 0.0F;
+        float sum_flow = 0.0F;
         for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
             sum_veh += self->arrived_veh[k][j];
+            sum_flow += self->arrived_veh[k][j] * fastest_veh_per_s[j];
         }
         self->arrived_sum_veh[k] = sum_veh;
+        self->arrived_flow[k] = sum_flow;
     }
 }
 
 /* --- the model --- */
 
+static bool is_flow_learnt(const elmopp_rollout_t *self) {
+    return self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
+}
+
 /* Flow of a movement that is green: as learnt, or by the law of the junction's profile. */
 static float flow_of(const elmopp_rollout_t *self, const float *flow_veh_per_s, uint32_t movement, float queue_veh) {
-    const bool learnt = self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
-    return learnt ? flow_veh_per_s[movement] : elmopp_junction_discharge(self->junction, movement, queue_veh);
+    return is_flow_learnt(self) ? flow_veh_per_s[movement]
+                                : elmopp_junction_discharge(self->junction, movement, queue_veh);
 }
 
 /* Queue of a movement before second `step` of the future. */
@@ -200,44 +220,91 @@ static float standing(const elmopp_rollout_t *self, uint32_t step, uint32_t move
     return elmopp_greater(self->arrived_veh[step][movement] - self->future.left_veh[movement], 0.0F);
 }
 
-/* Queue times flow, summed over a stage. */
+/* Queue times flow, summed over a stage. The first loop is where most of a decision's time goes. */
 static float pressure_of(const elmopp_rollout_t *self, uint32_t stage, const float *flow, const float *queue_veh) {
+    const uint8_t *served = self->served[stage];
+    const uint32_t count = self->served_count[stage];
     float sum = 0.0F;
-    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
-        const uint32_t j = self->served[stage][i];
-        sum += queue_veh[j] * elmopp_lesser(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
+    if (is_flow_learnt(self)) {
+        for (uint32_t i = 0U; i < count; i++) {
+            const float veh = queue_veh[served[i]];
+            sum += veh * elmopp_lesser(flow[served[i]], veh);
+        }
+    } else {
+        for (uint32_t i = 0U; i < count; i++) {
+            const float veh = queue_veh[served[i]];
+            sum += veh * elmopp_lesser(elmopp_junction_discharge(self->junction, served[i], veh), veh);
+        }
     }
     return sum;
 }
 
-/* The reactive rule: the stage that it wants shown in second `step`. */
-static elmopp_stage_t react(const elmopp_rollout_t *self, uint32_t step) {
-    const elmopp_rollout_future_t *future = &self->future;
-    if (future->elapsed_s < self->options.min_s) {
-        return future->shown;
-    }
+/* The queue of a movement as the rule counts it. */
+static float counted(const elmopp_rollout_t *self, uint32_t step, uint32_t movement) {
+    const float standing_veh = self->arrived_veh[step][movement] - self->future.left_veh[movement];
+    return (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
+}
+
+/* The stage with the greatest pressure in second `step`, and what that is. */
+static elmopp_stage_t press_most(elmopp_rollout_t *self, uint32_t step) {
+    elmopp_rollout_future_t *future = &self->future;
     float queue_veh[ELMOPP_MOVEMENT_MAX];
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const float standing_veh = standing(self, step, j);
-        queue_veh[j] = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
+        queue_veh[j] = counted(self, step, j);
     }
-    float own = 0.0F;
     float greatest = 0.0F;
     elmopp_stage_t best = future->shown;
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
         const float *flow = (s == future->shown) ? future->flow_veh_per_s : self->sight.flow_veh_per_s[s];
         const float sum = pressure_of(self, s, flow, queue_veh);
-        own = (s == future->shown) ? sum : own;
         if (sum > greatest) {
             best = (elmopp_stage_t)s;
             greatest = sum;
         }
     }
-    const bool leave = (future->elapsed_s >= self->options.max_s) || (greatest > (future->ratio * own));
-    return leave ? best : future->shown;
+    future->greatest = greatest;
+    future->greatest_step = step;
+    return best;
 }
 
-static elmopp_stage_t wish(const elmopp_rollout_t *self, const action_t *action, uint32_t step) {
+/* No stage presses more in second `step`, as long as the stage shown is the same: since the last look queues have grown
+ * by arrivals alone, and a vehicle more is a pressure more of twice its flow at most. The rest is more than all
+ * roundings. */
+static float most_possible(const elmopp_rollout_t *self, uint32_t step) {
+    const elmopp_rollout_future_t *future = &self->future;
+    const float come = self->arrived_flow[step] - self->arrived_flow[future->greatest_step];
+    return (1.001F * future->greatest) + (2.0F * come) + (1.0e-5F * self->arrived_flow[step]) + 0.01F;
+}
+
+/* Pressure of the stage shown. */
+static float own_pressure(const elmopp_rollout_t *self, uint32_t step) {
+    const elmopp_rollout_future_t *future = &self->future;
+    float sum = 0.0F;
+    for (uint32_t i = 0U; i < self->served_count[future->shown]; i++) {
+        const uint32_t j = self->served[future->shown][i];
+        const float queue_veh = counted(self, step, j);
+        sum += queue_veh * elmopp_lesser(flow_of(self, future->flow_veh_per_s, j, queue_veh), queue_veh);
+    }
+    return sum;
+}
+
+/* The reactive rule: the stage that it wants shown in second `step`. */
+static elmopp_stage_t react(elmopp_rollout_t *self, uint32_t step) {
+    elmopp_rollout_future_t *future = &self->future;
+    if (future->elapsed_s < self->options.min_s) {
+        return future->shown;
+    }
+    const bool late = future->elapsed_s >= self->options.max_s;
+    const float enough = future->ratio * own_pressure(self, step);
+    if ((!late) && future->looked && (most_possible(self, step) <= enough)) {
+        return future->shown;
+    }
+    const elmopp_stage_t best = press_most(self, step);
+    future->looked = is_flow_learnt(self);
+    return (late || (future->greatest > enough)) ? best : future->shown;
+}
+
+static elmopp_stage_t wish(elmopp_rollout_t *self, const action_t *action, uint32_t step) {
     if (step == 0U) {
         return action->first;
     }
@@ -263,6 +330,7 @@ static void show_target(elmopp_rollout_t *self) {
     }
     future->flow_veh_per_s = self->sight.flow_veh_per_s[target];
     future->shown = target;
+    future->looked = false;
     future->target = ELMOPP_STAGE_NONE;
     future->elapsed_s = 0U;
 }

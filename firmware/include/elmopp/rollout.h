@@ -77,11 +77,14 @@ typedef struct {
     float startup_s[ELMOPP_MOVEMENT_MAX]; ///< of the start-up, still to come
     float left_sum_veh;                   ///< all departures
     float ratio;
-    uint32_t elapsed_s;    ///< of the stage shown
-    uint32_t change_s;     ///< the intergreen to the target
-    uint32_t remaining_s;  ///< ... and what is left of it
-    elmopp_stage_t shown;  ///< or being left
-    elmopp_stage_t target; ///< being brought up, ELMOPP_STAGE_NONE: none
+    float greatest;         ///< pressure of any stage when the rule last looked at all of them ...
+    uint32_t greatest_step; ///< ... in this second
+    bool looked;            ///< ... since the stage shown came
+    uint32_t elapsed_s;     ///< of the stage shown
+    uint32_t change_s;      ///< the intergreen to the target
+    uint32_t remaining_s;   ///< ... and what is left of it
+    elmopp_stage_t shown;   ///< or being left
+    elmopp_stage_t target;  ///< being brought up, ELMOPP_STAGE_NONE: none
 } elmopp_rollout_future_t;
 
 /// State. Set up by elmopp_rollout_init(); read `sight` for a log, write nothing.
@@ -101,6 +104,7 @@ typedef struct {
     float expected_veh_per_s[ELMOPP_MOVEMENT_MAX];                   ///< mean arrivals as they are weighted
     float arrived_veh[ELMOPP_HORIZON_MAX + 1U][ELMOPP_MOVEMENT_MAX]; ///< [step] the queue and who comes before it
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
+    float arrived_flow[ELMOPP_HORIZON_MAX + 1U]; ///< the same, each vehicle times the greatest flow of its movement
 } elmopp_rollout_t;
 
 /// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 3 and 10 s, ratios
