@@ -12,6 +12,7 @@
 #define UNITS ELMOPP_LSTM_UNITS
 #define GATES ELMOPP_LSTM_GATES
 
+static_assert(ELMOPP_LSTM_INPUTS == 4U, "the head's sums are written out");
 static_assert((ELMOPP_LSTM_OUTER_ROWS % ELMOPP_LSTM_ROWS_AT_ONCE) == 0U, "the kernel takes whole groups of rows");
 static_assert((ELMOPP_LSTM_INNER_ROWS % ELMOPP_LSTM_ROWS_AT_ONCE) == 0U, "the kernel takes whole groups of rows");
 
@@ -49,12 +50,20 @@ void elmopp_lstm_f32_step(const elmopp_lstm_f32_weights_t *weights, elmopp_lstm_
 
 void elmopp_lstm_f32_output(const elmopp_lstm_f32_weights_t *weights, const elmopp_lstm_f32_state_t *state,
                             float output[ELMOPP_LSTM_INPUTS]) {
-    for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
-        output[k] = weights->head_bias[k];
-    }
+    float a = weights->head_bias[0];
+    float b = weights->head_bias[1];
+    float c = weights->head_bias[2];
+    float d = weights->head_bias[3];
     for (uint32_t r = 0U; r < UNITS; r++) {
-        for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
-            output[k] += weights->head_row[r][k] * state->hidden[r];
-        }
+        const float *row = weights->head_row[r];
+        const float hidden = state->hidden[r];
+        a += row[0] * hidden;
+        b += row[1] * hidden;
+        c += row[2] * hidden;
+        d += row[3] * hidden;
     }
+    output[0] = a;
+    output[1] = b;
+    output[2] = c;
+    output[3] = d;
 }
