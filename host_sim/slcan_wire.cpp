@@ -68,6 +68,12 @@ int open_serial(const std::string &place, const std::string &path) {
     return descriptor;
 }
 
+/// A socket whose other end is gone must not end the program.
+ssize_t put(int descriptor, const char *text, std::size_t length) {
+    const ssize_t sent = ::send(descriptor, text, length, MSG_NOSIGNAL);
+    return sent < 0 && errno == ENOTSOCK ? ::write(descriptor, text, length) : sent;
+}
+
 } // namespace
 
 SlcanWire::SlcanWire(std::string place, int descriptor, std::uint32_t answer_ms)
@@ -86,7 +92,7 @@ SlcanWire::SlcanWire(std::string place, int descriptor, std::uint32_t answer_ms)
 }
 
 SlcanWire::~SlcanWire() {
-    (void)::write(descriptor_, "C\r", 2);
+    (void)put(descriptor_, "C\r", 2);
     (void)close(descriptor_);
 }
 
@@ -137,7 +143,7 @@ void SlcanWire::write(const std::string &text) {
     std::size_t done = 0;
     const std::uint32_t begun_ms = monotonic_ms();
     while (done < text.size()) {
-        const ssize_t length = ::write(descriptor_, text.data() + done, text.size() - done);
+        const ssize_t length = put(descriptor_, text.data() + done, text.size() - done);
         if (length > 0) {
             done += static_cast<std::size_t>(length);
         } else if (length < 0 && errno != EAGAIN && errno != EINTR) {
