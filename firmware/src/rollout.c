@@ -276,14 +276,21 @@ static float most_possible(const elmopp_rollout_t *self, uint32_t step) {
     return (1.001F * future->greatest) + (2.0F * come) + (1.0e-5F * self->arrived_flow[step]) + 0.01F;
 }
 
-/* Pressure of the stage shown. */
+/* Pressure of the stage shown. What the loop needs is read before it: no compiler knows that a call leaves it alone. */
 static float own_pressure(const elmopp_rollout_t *self, uint32_t step) {
-    const elmopp_rollout_future_t *future = &self->future;
+    const uint8_t *served = self->served[self->future.shown];
+    const uint32_t count = self->served_count[self->future.shown];
+    const float *arrived_veh = self->arrived_veh[step];
+    const float *left_veh = self->future.left_veh;
+    const float *flow_veh_per_s = self->future.flow_veh_per_s;
+    const bool learnt = is_flow_learnt(self);
     float sum = 0.0F;
-    for (uint32_t i = 0U; i < self->served_count[future->shown]; i++) {
-        const uint32_t j = self->served[future->shown][i];
-        const float queue_veh = counted(self, step, j);
-        sum += queue_veh * elmopp_lesser(flow_of(self, future->flow_veh_per_s, j, queue_veh), queue_veh);
+    for (uint32_t i = 0U; i < count; i++) {
+        const uint32_t j = served[i];
+        const float standing_veh = arrived_veh[j] - left_veh[j];
+        const float queue_veh = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
+        const float flow = learnt ? flow_veh_per_s[j] : elmopp_junction_discharge(self->junction, j, queue_veh);
+        sum += queue_veh * elmopp_lesser(flow, queue_veh);
     }
     return sum;
 }
@@ -355,8 +362,10 @@ static void let_go(elmopp_rollout_t *self, uint32_t step) {
     const uint32_t since_s = future->change_s - future->remaining_s;
     const float changing_s = (float)since_s;
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
-    for (uint32_t i = 0U; i < self->served_count[future->shown]; i++) {
-        const uint32_t j = self->served[future->shown][i];
+    const uint8_t *served = self->served[future->shown];
+    const uint32_t count = self->served_count[future->shown];
+    for (uint32_t i = 0U; i < count; i++) {
+        const uint32_t j = served[i];
         const float lost_s = future->startup_s[j];
         if (lost_s >= 1.0F) {
             future->startup_s[j] = lost_s - 1.0F;

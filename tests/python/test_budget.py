@@ -116,7 +116,7 @@ def test_gccs_frame_counts_where_it_is_larger_by_source_for_local_functions(tmp_
 
 
 def test_a_frame_without_a_bound_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(StackError, match="has no .su files"):
+    with pytest.raises(StackError, match=r"has no \.su files"):
         read_frames(tmp_path)
     (tmp_path / "one.c.su").write_text("/x/one.c:1:2:grows\t40\tdynamic\n", encoding="utf-8")
     with pytest.raises(StackError, match=r"grows\(\) takes stack without a bound"):
