@@ -33,8 +33,9 @@
 #define STEP_CASES 200U
 #define FREE_RUNS 20U
 #define WARM_S 70U    ///< a forecast is warm, its account and the chooser's have something in them
-#define DECISIONS 60U ///< of each chooser
-#define STREET_S 90U
+#define LOAD_S 25U    ///< so long there are few, some or many
+#define DECISIONS 90U ///< of each chooser
+#define STREET_S 115U
 
 typedef enum {
     VALUES_ZERO,
@@ -124,6 +125,14 @@ static void count_free_runs(void) {
     }
 }
 
+/* Somebody is on every movement: by turns few, some and many. */
+static float waiting(uint32_t second) {
+    static const float least_veh[] = {0.2F, 3.0F, 10.0F};
+    static const uint32_t hundredths[] = {300U, 2000U, 5000U};
+    const uint32_t load = (second / LOAD_S) % 3U;
+    return least_veh[load] + (0.01F * (float)random_below(&seed, hundredths[load]));
+}
+
 /* --- the choosers --- */
 
 typedef elmopp_chooser_t (*make_fn_t)(void);
@@ -175,7 +184,7 @@ static void count_ticks(const char *key, make_fn_t make, uint8_t kind) {
     for (uint32_t t = 0U; t < (WARM_S + DECISIONS); t++) {
         arrive(arrived_veh, junction.movement_count);
         for (uint32_t j = 0U; j < junction.movement_count; j++) {
-            present_veh[j] = 3.0F + (0.01F * (float)random_below(&seed, 2000U));
+            present_veh[j] = waiting(t);
         }
         const bool is_counted = t >= WARM_S;
         if (is_counted) {
@@ -229,7 +238,7 @@ static void count_street(void) {
     for (uint32_t t = 0U; t < STREET_S; t++) {
         is_street_counted = t >= WARM_S;
         for (uint32_t j = 0U; j < junction.movement_count; j++) {
-            bench.present_veh[j] = (uint16_t)(3U + random_below(&seed, 20U));
+            bench.present_veh[j] = (uint16_t)(1.0F + waiting(t));
             bench.arrived_veh[j] += random_below(&seed, 2U);
         }
         bench_ticks(&bench, ELMOPP_LAMP_TICKS_PER_S);
