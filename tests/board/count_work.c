@@ -9,10 +9,11 @@
 ///   lstm_f32_step      a step of the plain LSTM, over weights, inputs and states from zero to 1e30 and subnormal ones
 ///   nlstm3_f32_step    the same of three nested levels
 ///   rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches
-///   tick_worst.C[:F]   elmopp_pilot_step() and a lamp tick, chooser C with forecast F at its own horizon (cumulative
-///   and
-///                      rollout: lstm where nothing is said; the others look at none), eight stages, twelve movements
-///                      (the paper's junction with a constant saturation flow), somebody everywhere
+///   tick_worst.C[:F]   elmopp_pilot_step() and a lamp tick, chooser C with forecast F at its own horizon (where
+///   nothing
+///                      is said, lstm for cumulative and rollout; the others look at none), eight stages, twelve
+///                      movements (the paper's junction with a constant saturation flow), somebody everywhere
+///   tick_two_groups.C  the same at site five_way: two groups of approaches, eleven stages, eleven movements
 ///   tick.lamp          elmopp_controller_tick() without a decision: site four_way, frames of every camera and node
 ///   tick.decision      ... with one: chooser rollout, forecast lstm, 17 stages
 
@@ -35,7 +36,7 @@
 #define WARM_S 70U    ///< a forecast is warm, its account and the chooser's have something in them
 #define LOAD_S 25U    ///< so long there are few, some or many
 #define DECISIONS 90U ///< of each chooser
-#define STREET_S 115U
+#define STREET_S 175U
 
 typedef enum {
     VALUES_ZERO,
@@ -168,7 +169,7 @@ static elmopp_chooser_t make_rollout(void) {
     return elmopp_rollout_init(&rollout, &options);
 }
 
-static void count_ticks(const char *key, make_fn_t make, uint8_t kind) {
+static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elmopp_junction_t *site) {
     static elmopp_junction_t junction;
     static elmopp_pilot_t pilot;
     const bool nested = kind == (uint8_t)ELMOPP_FORECAST_NLSTM;
@@ -177,7 +178,7 @@ static void count_ticks(const char *key, make_fn_t make, uint8_t kind) {
     float present_veh[ELMOPP_MOVEMENT_MAX];
     float arrived_veh[ELMOPP_MOVEMENT_MAX];
     const elmopp_counts_t counts = {.present_veh = present_veh, .arrived_veh = arrived_veh, .recall = 0U};
-    junction = elmopp_site_paper;
+    junction = *site;
     junction.discharge = (uint8_t)ELMOPP_DISCHARGE_SATURATION;
     const elmopp_chooser_t chooser = make();
     elmopp_pilot_init(&pilot, &junction, &chooser, &forecast);
@@ -256,13 +257,15 @@ int main(void) {
     count_steps("lstm_f32_step", 1U);
     count_steps("nlstm3_f32_step", ELMOPP_LSTM_LEVELS_MAX);
     count_free_runs();
-    count_ticks("tick_worst.naive", make_naive, ELMOPP_FORECAST_NONE);
-    count_ticks("tick_worst.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM);
-    count_ticks("tick_worst.cumulative:nlstm", make_cumulative, ELMOPP_FORECAST_NLSTM);
-    count_ticks("tick_worst.pressure", make_pressure, ELMOPP_FORECAST_NONE);
-    count_ticks("tick_worst.priced", make_priced, ELMOPP_FORECAST_NONE);
-    count_ticks("tick_worst.rollout", make_rollout, ELMOPP_FORECAST_LSTM);
-    count_ticks("tick_worst.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM);
+    count_ticks("tick_worst.naive", make_naive, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
+    count_ticks("tick_worst.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.cumulative:nlstm", make_cumulative, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.pressure", make_pressure, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
+    count_ticks("tick_worst.priced", make_priced, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
+    count_ticks("tick_worst.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
+    count_ticks("tick_two_groups.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
+    count_ticks("tick_two_groups.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
     count_street();
     return 0;
 }
