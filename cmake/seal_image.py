@@ -4,7 +4,7 @@
 
 """seal_image.py IMAGE: writes the checksum of a board's program into its section .seal (firmware/port/cortex_m/seal.h).
 
-IMAGE is a 32-bit little-endian ELF file. Summed up is what lies in flash from its beginning to the seal, by the addresses
+IMAGE is a 32-bit little-endian ELF file. Summed up is what lies in flash before the seal, by the addresses
 that it is loaded to. Standard library only.
 """
 
