@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Self
 
 ROOT = Path(__file__).resolve().parents[2]
-IMAGE = Path(os.environ["ELMOPP_MPS2"])
+IMAGE = Path(os.environ.get("ELMOPP_MPS2", ROOT / "build" / "cortex-m4" / "bin" / "elmopp-mps2"))
 SITE_SLOT, WEIGHTS_SLOT = 0x00300000, 0x00310000  # firmware/port/mps2/mps2.ld
 ANSWER_S = 60.0
 

@@ -16,7 +16,7 @@ import pytest
 from emulator import ROOT, Emulator
 from images import site_image
 
-HOST_SIM = Path(os.environ["ELMOPP_HOST_SIM"])
+HOST_SIM = Path(os.environ.get("ELMOPP_HOST_SIM", ROOT / "build" / "release" / "bin" / "host_sim"))
 SECONDS = int(os.environ.get("ELMOPP_BOARD_SECONDS", "200"))
 CHOOSERS = ["naive", "cumulative:lstm", "pressure", "priced", "rollout"]
 OTHERS = ["cumulative:none", "cumulative:mean", "cumulative:persistence", "cumulative:ewma", "cumulative:ar8"]
