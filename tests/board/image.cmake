@@ -26,3 +26,10 @@ foreach(chooser IN ITEMS naive cumulative:lstm pressure priced rollout)
     _elmopp_add_image_test(test_loop_${name}_2000_s "sim;nightly" 3600 2000 "${test}")
 endforeach()
 _elmopp_add_image_test(test_loop_others "sim;nightly" 3600 200 -m others tests/board/test_loop.py)
+
+# Behind slcand in the virtual machine, an emulator in an emulator: with programs of the same other preset.
+get_filename_component(programs "${ELMOPP_HOST_SIM}" DIRECTORY)
+add_test(NAME test_slcan_chain
+    COMMAND tests/socketcan/run "${programs}" "${PROJECT_BINARY_DIR}/socketcan" --slcan "$<TARGET_FILE:elmopp-mps2>"
+    WORKING_DIRECTORY "${PROJECT_SOURCE_DIR}")
+_elmopp_set_test_properties(test_slcan_chain "socketcan;nightly" 1800)
