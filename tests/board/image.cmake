@@ -14,6 +14,10 @@ function(_elmopp_add_image_test name labels timeout seconds)
         "ELMOPP_MPS2=$<TARGET_FILE:elmopp-mps2>;ELMOPP_HOST_SIM=${ELMOPP_HOST_SIM};ELMOPP_BOARD_SECONDS=${seconds}")
 endfunction()
 
+elmopp_add_python_test(NAME layers_of_symbols
+    COMMAND tools/layers --library $<TARGET_FILE:elmopp_core> --nm "${CMAKE_NM}"
+    LABELS layers)
+
 _elmopp_add_image_test(test_image faults 900 0 tests/board/test_image.py)
 set_tests_properties(test_image PROPERTIES COST 60)
 

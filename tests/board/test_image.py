@@ -11,13 +11,14 @@ import re
 import select
 import socket
 import struct
+import subprocess
 import time
 import zlib
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from emulator import ANSWER_S, COMMAND, IMAGE, LAMP_COMMAND, Bus, Emulator
+from emulator import ANSWER_S, COMMAND, IMAGE, LAMP_COMMAND, ROOT, Bus, Emulator
 from images import site_image, tool, with_flipped_bit
 
 STEADY = "fixed_time"
@@ -42,6 +43,25 @@ def weights(tmp_path_factory: pytest.TempPathFactory) -> Path:
     struct.pack_into("<I", data, 12, zlib.crc32(data[16:]))
     image.write_bytes(data)
     return image
+
+
+# --- what is built ---
+
+
+def test_the_program_has_no_heap_no_output_and_no_double_precision() -> None:
+    done = subprocess.run(["arm-none-eabi-nm", str(IMAGE)], capture_output=True, text=True, check=True)
+    names = {line.split()[-1] for line in done.stdout.splitlines()}
+    assert "elmopp_board_run" in names
+    kept_out = re.compile(r"_*(malloc|calloc|realloc|free|sbrk|[a-z]*printf|exit)(_r)?|__aeabi_d.*")
+    assert not [name for name in names if kept_out.fullmatch(name)]
+
+
+def test_a_build_for_a_site_that_is_simulation_only_is_refused_by_name(tmp_path: Path) -> None:
+    command = ["cmake", "-S", str(ROOT), "-B", str(tmp_path), "-G", "Ninja", "-DBUILD_TESTING=OFF"]
+    command += ["--toolchain", str(ROOT / "cmake" / "cortex-m4.cmake"), "-DELMOPP_BOARD_SITE=paper"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "ELMOPP_BOARD_SITE=paper: it is simulation_only" in done.stderr
 
 
 # --- what comes over the line ---

@@ -9,7 +9,6 @@ is skipped, which tools/check does not let pass. The chooser comes to the board 
 
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -22,9 +21,12 @@ CHOOSERS = ["naive", "cumulative:lstm", "pressure", "priced", "rollout"]
 OTHERS = ["cumulative:none", "cumulative:mean", "cumulative:persistence", "cumulative:ewma", "cumulative:ar8"]
 OTHERS += ["cumulative:nlstm", "rollout:lstm"]
 
-if not HOST_SIM.exists():
-    print(f"{HOST_SIM} is missing; right would be: cmake --workflow --preset release", file=sys.stderr)
-    pytest.exit("no host_sim", returncode=77)
+
+@pytest.fixture(autouse=True, scope="session")
+def simulator() -> None:
+    """Without one nothing can be compared."""
+    if not HOST_SIM.exists():
+        pytest.exit(f"{HOST_SIM} is missing; right would be: cmake --workflow --preset release", returncode=77)
 
 
 def run(site: Path, *words: str) -> None:
