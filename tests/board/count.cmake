@@ -8,9 +8,6 @@ add_executable(count_work board/count_work.c)
 set_target_properties(count_work PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
 target_link_libraries(count_work PRIVATE elmopp_test_support elmopp_weights elmopp_flags elmopp_board)
 target_link_options(count_work PRIVATE -Wl,--wrap=elmopp_controller_tick)
-elmopp_add_python_test(NAME layers_of_symbols # with the processor's own kernel
-    COMMAND tools/layers --library $<TARGET_FILE:elmopp_core> --nm arm-none-eabi-nm
-    LABELS layers)
 elmopp_add_python_test(NAME budgets_are_kept COMMAND tools/budget --build "${PROJECT_BINARY_DIR}"
     LABELS generated)
 elmopp_add_unity_test(NAME test_lstm_kernel SOURCES board/test_lstm_kernel.c board/portable_kernel.c
