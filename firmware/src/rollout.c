@@ -171,15 +171,23 @@ static void sum_arrivals(elmopp_rollout_t *self, const elmopp_view_t *view, uint
     }
 }
 
-/* The greatest flow of each movement in any stage. */
-static void find_fastest(const elmopp_rollout_t *self, float fastest_veh_per_s[ELMOPP_MOVEMENT_MAX]) {
-    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        float fastest = 0.0F;
-        for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-            fastest = elmopp_greater(self->sight.flow_veh_per_s[s][j], fastest);
+/* The most that arrivals of the second before `step` can add to half the pressure of any stage. */
+static float most_coming(const elmopp_rollout_t *self, uint32_t step) {
+    const float *now_veh = self->arrived_veh[step];
+    const float *before_veh = self->arrived_veh[step - 1U];
+    const uint32_t stages = self->junction->stage_count;
+    float most = 0.0F;
+    for (uint32_t s = 0U; s < stages; s++) {
+        const uint8_t *served = self->served[s];
+        const uint32_t count = self->served_count[s];
+        const float *flow = self->sight.flow_veh_per_s[s];
+        float sum = 0.0F;
+        for (uint32_t i = 0U; i < count; i++) {
+            sum += flow[served[i]] * (now_veh[served[i]] - before_veh[served[i]]);
         }
-        fastest_veh_per_s[j] = fastest;
+        most = elmopp_greater(sum, most);
     }
+    return most;
 }
 
 static void expect_all(elmopp_rollout_t *self, const elmopp_view_t *view) {
@@ -189,17 +197,13 @@ static void expect_all(elmopp_rollout_t *self, const elmopp_view_t *view) {
         const bool blocked = elmopp_sight_is_blocked(&self->sight, j);
         self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
     }
-    float fastest_veh_per_s[ELMOPP_MOVEMENT_MAX];
-    find_fastest(self, fastest_veh_per_s);
     for (uint32_t k = 0U; k <= self->options.horizon_s; k++) {
         float sum_veh = 0.0F;
-        float sum_flow = 0.0F;
         for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
             sum_veh += self->arrived_veh[k][j];
-            sum_flow += self->arrived_veh[k][j] * fastest_veh_per_s[j];
         }
         self->arrived_sum_veh[k] = sum_veh;
-        self->arrived_flow[k] = sum_flow;
+        self->come[k] = (k > 0U) ? (self->come[k - 1U] + most_coming(self, k)) : 0.0F;
     }
 }
 
@@ -272,8 +276,8 @@ static elmopp_stage_t press_most(elmopp_rollout_t *self, uint32_t step) {
  * roundings. */
 static float most_possible(const elmopp_rollout_t *self, uint32_t step) {
     const elmopp_rollout_future_t *future = &self->future;
-    const float come = self->arrived_flow[step] - self->arrived_flow[future->greatest_step];
-    return (1.001F * future->greatest) + (2.0F * come) + (1.0e-5F * self->arrived_flow[step]) + 0.01F;
+    const float come = self->come[step] - self->come[future->greatest_step];
+    return (1.001F * future->greatest) + (2.001F * come) + (1.0e-5F * self->come[step]) + 0.01F;
 }
 
 /* Pressure of the stage shown. What the loop needs is read before it: no compiler knows that a call leaves it alone. */

@@ -104,7 +104,7 @@ typedef struct {
     float expected_veh_per_s[ELMOPP_MOVEMENT_MAX];                   ///< mean arrivals as they are weighted
     float arrived_veh[ELMOPP_HORIZON_MAX + 1U][ELMOPP_MOVEMENT_MAX]; ///< [step] the queue and who comes before it
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];
-    float arrived_flow[ELMOPP_HORIZON_MAX + 1U]; ///< the same, each vehicle times the greatest flow of its movement
+    float come[ELMOPP_HORIZON_MAX + 1U]; ///< what arrivals before a step have added to half a pressure at most
 } elmopp_rollout_t;
 
 /// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 3 and 10 s, ratios
