@@ -27,7 +27,7 @@ static elmopp_uart_t uart;
 void setUp(void) {
     device.data = 0U;
     device.state = 0U;
-    elmopp_uart_init(&uart, (uintptr_t)&device, 25000000U, 115200U);
+    elmopp_uart_init(&uart, &device, 25000000U, 115200U);
 }
 void tearDown(void) {}
 
@@ -59,7 +59,7 @@ static void read_some(uint32_t from, uint32_t count) {
 
 static void test_the_speed_is_what_was_asked_for(void) {
     TEST_ASSERT_EQUAL_UINT32(217U, device.divider);
-    elmopp_uart_init(&uart, (uintptr_t)&device, 25000000U, 25000000U);
+    elmopp_uart_init(&uart, &device, 25000000U, 25000000U);
     TEST_ASSERT_EQUAL_UINT32(16U, device.divider); /* the least that the device takes */
 }
 
