@@ -2,7 +2,9 @@
  * Copyright 2026 The ELMOPP authors */
 
 /// What tools/bench-cortex-m4 counts: each piece of work between two marks, and its key on a line of standard output.
-/// The n-th line belongs to the n-th pair of marks. A key comes once for every input that is tried.
+/// The n-th line belongs to the n-th pair of marks. A key comes once for every input that is tried. With the argument
+/// `stack` it says instead how many bytes of stack elmopp_controller_tick() has used at most, by what it has
+/// overwritten.
 ///
 ///   nothing            two marks, one after the other
 ///   thousand           a thousand instructions of one cycle
@@ -205,14 +207,41 @@ static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elm
 
 /* --- the whole controller, on frames --- */
 
+#define PAINT 0xDEADBEEFU
+#define PAINTED_WORDS 2000U
+
 static elmopp_station_t station;
 static bool is_street_counted;
+static bool is_stack_wanted;
+static uint32_t stack_words;
+
+/* Below the stack pointer nothing is anybody's: no interrupt is enabled. Inline, so that it is the caller's pointer. */
+__attribute__((always_inline)) static inline volatile uint32_t *paint(void) {
+    volatile uint32_t *top;
+    __asm__ volatile("mov %0, sp" : "=r"(top));
+    for (uint32_t k = 1U; k <= PAINTED_WORDS; k++) {
+        *(top - k) = PAINT;
+    }
+    return top;
+}
+
+static void look_at_paint(const volatile uint32_t *top) {
+    for (uint32_t k = stack_words + 1U; k <= PAINTED_WORDS; k++) {
+        stack_words = (*(top - k) != PAINT) ? k : stack_words;
+    }
+}
 
 uint32_t __real_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms, elmopp_frame_t *out);
 uint32_t __wrap_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms, elmopp_frame_t *out);
 
 /* The linker puts this one in the place of the controller's, and calls that one __real (option --wrap). */
 uint32_t __wrap_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms, elmopp_frame_t *out) {
+    if (is_stack_wanted) {
+        volatile uint32_t *top = paint();
+        const uint32_t count = __real_elmopp_controller_tick(self, now_ms, out);
+        look_at_paint(top);
+        return count;
+    }
     if (!is_street_counted) {
         return __real_elmopp_controller_tick(self, now_ms, out);
     }
@@ -246,7 +275,13 @@ static void count_street(void) {
     }
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    is_stack_wanted = (argc == 2) && (strcmp(argv[1], "stack") == 0);
+    if (is_stack_wanted) {
+        count_street();
+        (void)printf("%u\n", (unsigned)(stack_words * sizeof(uint32_t)));
+        return 0;
+    }
     COUNT_BEGIN();
     COUNT_END();
     (void)puts("nothing");

@@ -82,10 +82,7 @@ def read_calls(path: Path) -> Calls:
 
 def stack_use(image: Path, objects: Path, calls: Calls, prefix: str = "arm-none-eabi-") -> StackUse:
     """Of an ELF image, with the .su files anywhere under `objects`."""
-    functions = read_functions(_tool(f"{prefix}objdump", "-d", "--no-show-raw-insn", str(image)).splitlines())
-    symbols = _tool(f"{prefix}readelf", "-sW", str(image)).splitlines()
-    raise_frames(functions, symbols, read_frames(objects))
-    graph = Graph(functions, calls)
+    graph, symbols = read_graph(image, objects, calls, prefix)
     handlers = _handlers(image, symbols, calls, prefix)
     faults = {address for address in handlers if graph.name(address) in calls.faults}
     reset = handlers[0]
@@ -94,6 +91,14 @@ def stack_use(image: Path, objects: Path, calls: Calls, prefix: str = "arm-none-
         graph.deepest(set(handlers) - faults - {reset}, EXCEPTION_FRAME),
         graph.deepest(faults, EXCEPTION_FRAME),
     )
+
+
+def read_graph(image: Path, objects: Path, calls: Calls, prefix: str = "arm-none-eabi-") -> tuple["Graph", list[str]]:
+    """Who calls whom in an image, and its symbols as readelf lists them."""
+    functions = read_functions(_tool(f"{prefix}objdump", "-d", "--no-show-raw-insn", str(image)).splitlines())
+    symbols = _tool(f"{prefix}readelf", "-sW", str(image)).splitlines()
+    raise_frames(functions, symbols, read_frames(objects))
+    return Graph(functions, calls), symbols
 
 
 def _tool(*command: str) -> str:
@@ -230,21 +235,22 @@ class Graph:
         self._functions = functions
         self._depths: dict[int, Depth] = {}
         self._open: list[int] = []
+        self._unlisted: set[int] = set()
         named: dict[str, list[int]] = {}
         for address, function in functions.items():
             named.setdefault(function.name.partition(".")[0], []).append(address)
         for function in functions.values():
             if function.through_pointer:
-                listed = calls.pointers.get(function.name.partition(".")[0])
-                if listed is None:
-                    raise StackError(
-                        f"{function.name}() calls through a pointer ; name what it may call in the list of pointers"
-                    )
                 # What is on the list and not in the image cannot be called.
-                function.calls.update(address for name in listed for address in named.get(name, ()))
+                listed = calls.pointers.get(function.name.partition(".")[0])
+                function.calls.update(address for name in listed or () for address in named.get(name, ()))
+                self._unlisted.update(() if listed is not None else (function.address,))
 
     def name(self, address: int) -> str:
         return self._functions[address].name
+
+    def named(self, name: str) -> list[int]:
+        return [address for address, function in self._functions.items() if function.name == name]
 
     def deepest(self, roots: Iterable[int], below: int = 0) -> Depth:
         found = max((self._depth(root) for root in roots), key=lambda depth: depth.bytes, default=None)
@@ -254,6 +260,10 @@ class Graph:
         if address in self._depths:
             return self._depths[address]
         function = self._functions[address]
+        if address in self._unlisted:
+            raise StackError(
+                f"{function.name}() calls through a pointer ; name what it may call in the list of pointers"
+            )
         if address in self._open:
             way = [self.name(at) for at in self._open[self._open.index(address) :]]
             raise StackError(f"{' calls '.join([*way, function.name])}: recursion has no bound")
