@@ -50,6 +50,25 @@ void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *op
 
 /* --- a decision --- */
 
+/* The most that arrivals of the second before `step` can add to half the pressure of any stage. */
+static float most_coming(const elmopp_future_t *self, uint32_t step) {
+    const float *now_veh = self->coming->arrived_veh[step];
+    const float *before_veh = self->coming->arrived_veh[step - 1U];
+    const uint32_t stages = self->junction->stage_count;
+    float most = 0.0F;
+    for (uint32_t s = 0U; s < stages; s++) {
+        const uint8_t *served = self->served[s];
+        const uint32_t count = self->served_count[s];
+        const float *flow = self->sight->flow_veh_per_s[s];
+        float sum = 0.0F;
+        for (uint32_t i = 0U; i < count; i++) {
+            sum += flow[served[i]] * (now_veh[served[i]] - before_veh[served[i]]);
+        }
+        most = elmopp_greater(sum, most);
+    }
+    return most;
+}
+
 void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t elapsed_s) {
     self->present = shown;
     self->present_s = elapsed_s;
@@ -58,14 +77,22 @@ void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t e
         const bool blocked = elmopp_sight_is_blocked(self->sight, j);
         self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
     }
+    self->come[0] = 0.0F;
+    for (uint32_t k = 1U; k <= self->coming->options.horizon_s; k++) {
+        self->come[k] = self->come[k - 1U] + most_coming(self, k);
+    }
 }
 
 /* --- one future --- */
 
+static bool is_flow_learnt(const elmopp_future_t *self) {
+    return self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
+}
+
 /* Flow of a movement that is green: as learnt, or by the law of the junction's profile. */
 static float flow_of(const elmopp_future_t *self, const float *flow_veh_per_s, uint32_t movement, float queue_veh) {
-    const bool learnt = self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
-    return learnt ? flow_veh_per_s[movement] : elmopp_junction_discharge(self->junction, movement, queue_veh);
+    return is_flow_learnt(self) ? flow_veh_per_s[movement]
+                                : elmopp_junction_discharge(self->junction, movement, queue_veh);
 }
 
 /* Queue of a movement before second `step`. */
@@ -73,43 +100,91 @@ static float standing(const elmopp_future_t *self, uint32_t step, uint32_t movem
     return elmopp_greater(self->coming->arrived_veh[step][movement] - self->left_veh[movement], 0.0F);
 }
 
-/* Queue times flow, summed over a stage. */
+/* Queue times flow, summed over a stage. The first loop is where most of a decision's time goes. */
 static float pressure_of(const elmopp_future_t *self, uint32_t stage, const float *flow, const float *queue_veh) {
+    const uint8_t *served = self->served[stage];
+    const uint32_t count = self->served_count[stage];
     float sum = 0.0F;
-    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
-        const uint32_t j = self->served[stage][i];
-        sum += queue_veh[j] * elmopp_lesser(flow_of(self, flow, j, queue_veh[j]), queue_veh[j]);
+    if (is_flow_learnt(self)) {
+        for (uint32_t i = 0U; i < count; i++) {
+            const float veh = queue_veh[served[i]];
+            sum += veh * elmopp_lesser(flow[served[i]], veh);
+        }
+    } else {
+        for (uint32_t i = 0U; i < count; i++) {
+            const float veh = queue_veh[served[i]];
+            sum += veh * elmopp_lesser(elmopp_junction_discharge(self->junction, served[i], veh), veh);
+        }
     }
     return sum;
 }
 
-/* The reactive rule: the stage that it wants shown in second `step`. */
-static elmopp_stage_t react(const elmopp_future_t *self, float ratio, uint32_t step) {
-    if (self->elapsed_s < self->options.min_s) {
-        return self->shown;
-    }
+/* The stage with the greatest pressure in second `step`, and what that is. */
+static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step) {
     float queue_veh[ELMOPP_MOVEMENT_MAX];
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const float standing_veh = standing(self, step, j);
+        const float standing_veh = self->coming->arrived_veh[step][j] - self->left_veh[j];
         queue_veh[j] = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
     }
-    float own = 0.0F;
     float greatest = 0.0F;
     elmopp_stage_t best = self->shown;
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
         const float *flow = (s == self->shown) ? self->flow_veh_per_s : self->sight->flow_veh_per_s[s];
         const float sum = pressure_of(self, s, flow, queue_veh);
-        own = (s == self->shown) ? sum : own;
         if (sum > greatest) {
             best = (elmopp_stage_t)s;
             greatest = sum;
         }
     }
-    const bool leave = (self->elapsed_s >= self->options.max_s) || (greatest > (ratio * own));
-    return leave ? best : self->shown;
+    self->greatest = greatest;
+    self->greatest_step = step;
+    return best;
 }
 
-static elmopp_stage_t wish(const elmopp_future_t *self, const elmopp_future_action_t *action, uint32_t step) {
+/* No stage presses more in second `step`, as long as the stage shown is the same: since the last look queues have grown
+   by arrivals alone, and a vehicle more is a pressure more of twice its flow at most. The rest is more than all
+   roundings. */
+static float most_possible(const elmopp_future_t *self, uint32_t step) {
+    const float come = self->come[step] - self->come[self->greatest_step];
+    return (1.001F * self->greatest) + (2.001F * come) + (1.0e-5F * self->come[step]) + 0.01F;
+}
+
+/* Pressure of the stage shown. What the loop needs is read before it: no compiler knows that a call leaves it alone. */
+static float own_pressure(const elmopp_future_t *self, uint32_t step) {
+    const uint8_t *served = self->served[self->shown];
+    const uint32_t count = self->served_count[self->shown];
+    const float *arrived_veh = self->coming->arrived_veh[step];
+    const float *left_veh = self->left_veh;
+    const float *flow_veh_per_s = self->flow_veh_per_s;
+    const bool learnt = is_flow_learnt(self);
+    float sum = 0.0F;
+    for (uint32_t i = 0U; i < count; i++) {
+        const uint32_t j = served[i];
+        const float standing_veh = arrived_veh[j] - left_veh[j];
+        const float queue_veh = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
+        const float flow = learnt ? flow_veh_per_s[j] : elmopp_junction_discharge(self->junction, j, queue_veh);
+        sum += queue_veh * elmopp_lesser(flow, queue_veh);
+    }
+    return sum;
+}
+
+/* The reactive rule: the stage that it wants shown in second `step`. It looks at the other stages only when one could
+   press enough. */
+static elmopp_stage_t react(elmopp_future_t *self, float ratio, uint32_t step) {
+    if (self->elapsed_s < self->options.min_s) {
+        return self->shown;
+    }
+    const bool late = self->elapsed_s >= self->options.max_s;
+    const float enough = ratio * own_pressure(self, step);
+    if ((!late) && self->looked && (most_possible(self, step) <= enough)) {
+        return self->shown;
+    }
+    const elmopp_stage_t best = press_most(self, step);
+    self->looked = is_flow_learnt(self);
+    return (late || (self->greatest > enough)) ? best : self->shown;
+}
+
+static elmopp_stage_t wish(elmopp_future_t *self, const elmopp_future_action_t *action, uint32_t step) {
     if (step == 0U) {
         return action->first;
     }
@@ -133,6 +208,7 @@ static void show_target(elmopp_future_t *self) {
     }
     self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
     self->shown = target;
+    self->looked = false;
     self->target = ELMOPP_STAGE_NONE;
     self->elapsed_s = 0U;
 }
@@ -155,8 +231,10 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
     const uint32_t since_s = self->changing_s - self->remaining_s;
     const float changing_s = (float)since_s;
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
-    for (uint32_t i = 0U; i < self->served_count[self->shown]; i++) {
-        const uint32_t j = self->served[self->shown][i];
+    const uint8_t *served = self->served[self->shown];
+    const uint32_t count = self->served_count[self->shown];
+    for (uint32_t i = 0U; i < count; i++) {
+        const uint32_t j = served[i];
         const float lost_s = self->startup_s[j];
         if (lost_s >= 1.0F) {
             self->startup_s[j] = lost_s - 1.0F;
@@ -201,6 +279,7 @@ static float cost_of_rest(const elmopp_future_t *self, uint32_t horizon_s) {
 static void start(elmopp_future_t *self) {
     self->flow_veh_per_s = self->present_flow_veh_per_s;
     self->left_sum_veh = 0.0F;
+    self->looked = false;
     self->elapsed_s = self->present_s;
     self->changing_s = 0U;
     self->remaining_s = 0U;

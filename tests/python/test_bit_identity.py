@@ -18,6 +18,8 @@ ROOT = Path(__file__).resolve().parents[2]
 BOARD = ROOT / "tests" / "board"
 GOLDEN = ROOT / "tests" / "golden" / "lstm_digest.txt"
 SOURCES = ("tests/lstm_digest.c", "firmware/src/elementary.c", "firmware/src/lstm_f32.c")
+PORTABLE_KERNEL = "firmware/src/lstm_kernel.c"
+CORTEX_M4_KERNEL = "firmware/port/cortex_m/lstm_kernel.S"
 
 # The core's own, as in CMakeLists.txt and firmware/CMakeLists.txt; tests of each preset hold those to the same file.
 FLAGS = ("-std=c11", "-ffp-contract=off", "-fno-trapping-math", "-fno-math-errno")
@@ -45,20 +47,20 @@ def output_of(command: Sequence[str]) -> str:
     return done.stdout
 
 
-def build(program: Path, compiler: Sequence[str], *options: str) -> None:
+def build(program: Path, compiler: Sequence[str], kernel: str, *options: str) -> None:
     folders = ("-Ifirmware/include", "-Itests/support")
-    output_of([*compiler, *FLAGS, *folders, *SOURCES, *options, "-o", str(program)])
+    output_of([*compiler, *FLAGS, *folders, *SOURCES, kernel, *options, "-o", str(program)])
 
 
 def digest_here(folder: Path, compiler: str, *options: str) -> str:
     program = folder / "lstm_digest"
-    build(program, [compiler], *options)
+    build(program, [compiler], PORTABLE_KERNEL, *options)
     return output_of([str(program)])
 
 
-def digest_on_board(folder: Path, *options: str) -> str:
+def digest_on_board(folder: Path, kernel: str, *options: str) -> str:
     program = folder / "lstm_digest.elf"
-    build(program, CORTEX_M4, *ON_BOARD, *options)
+    build(program, CORTEX_M4, kernel, *ON_BOARD, *options)
     return output_of([str(BOARD / "run_qemu.sh"), str(program)])
 
 
@@ -85,8 +87,9 @@ def test_sanitizers_find_nothing_and_leave_the_bits(tmp_path: Path, golden: str)
 
 
 @pytest.mark.parametrize("level", LEVELS)
-def test_a_cortex_m4_gives_the_same_bits(tmp_path: Path, golden: str, level: str) -> None:
-    assert digest_on_board(tmp_path, level) == golden
+@pytest.mark.parametrize("kernel", [PORTABLE_KERNEL, CORTEX_M4_KERNEL])
+def test_a_cortex_m4_gives_the_same_bits(tmp_path: Path, golden: str, kernel: str, level: str) -> None:
+    assert digest_on_board(tmp_path, kernel, level) == golden
 
 
 # The tests above can fail: a build that joins a product and a sum into one rounding gives other bits in every part.
@@ -104,5 +107,5 @@ def test_a_build_that_contracts_is_found_out(tmp_path: Path, golden: str) -> Non
 
 
 def test_a_cortex_m4_that_contracts_is_found_out(tmp_path: Path, golden: str) -> None:
-    digest = digest_on_board(tmp_path, "-O2", "-ffp-contract=fast")
+    digest = digest_on_board(tmp_path, PORTABLE_KERNEL, "-O2", "-ffp-contract=fast")
     assert differing_parts(digest, golden) == len(golden.splitlines())

@@ -23,6 +23,7 @@ LEVELS = {
     "fault": 0,
     "lamps": 0,
     "mode": 0,
+    "lstm_kernel": 0,
     "account": 1,
     "age": 1,
     "ar8": 1,

@@ -17,7 +17,7 @@
 /// what it costs at least until it has gone at its flow s.
 ///
 /// What it never does: decide, observe, touch a lamp. One future takes at most horizon_s times (stages + movements)
-/// steps. It owns fixed memory of about 3 kB; sight and table belong to the caller. Not thread-safe.
+/// steps. It owns fixed memory of about 4 kB; sight and table belong to the caller. Not thread-safe.
 
 #ifndef ELMOPP_FUTURE_H
 #define ELMOPP_FUTURE_H
@@ -51,12 +51,16 @@ typedef struct {
     uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX]; ///< [from][to] intergreen in whole seconds
     float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];     ///< in the stage shown now, less where blocked
     elmopp_stage_t present;                                ///< the stage shown now ...
-    uint32_t present_s;                                    ///< ... and for how long
+    float come[ELMOPP_HORIZON_MAX + 1U]; ///< what arrivals before a step add to half a pressure at most
+    uint32_t present_s;                  ///< ... and for how long
     /* The one that is played. */
     const float *flow_veh_per_s;          ///< [movement] in the stage shown
     float left_veh[ELMOPP_MOVEMENT_MAX];  ///< departures until now
     float startup_s[ELMOPP_MOVEMENT_MAX]; ///< of the start-up, still to come
     float left_sum_veh;                   ///< all departures
+    float greatest;                       ///< pressure of any stage when the rule last looked at all of them ...
+    uint32_t greatest_step;               ///< ... in this second
+    bool looked;                          ///< ... since the stage shown came
     uint32_t elapsed_s;                   ///< of the stage shown
     uint32_t changing_s;                  ///< the intergreen to the target
     uint32_t remaining_s;                 ///< ... and what is left of it

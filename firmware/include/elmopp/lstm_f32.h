@@ -15,7 +15,7 @@
 ///
 /// It knows no traffic, no scale and no time: it is arithmetic. Weights and state belong to the caller. Every sum
 /// starts with the bias and runs over x, then h, in index order, products and sums rounded separately, so that gcc,
-/// clang and a Cortex-M4 give the same bits; a port may store the weights in another order, not sum in another. No
+/// clang and a Cortex-M4 give the same bits. The sums are lstm_kernel.h, which a port may replace, bit for bit. No
 /// branch depends on data: the number of instructions of a step is the same for every input
 /// (tests/board/test_lstm_count.c).
 ///
@@ -24,12 +24,12 @@
 #ifndef ELMOPP_LSTM_F32_H
 #define ELMOPP_LSTM_F32_H
 
+#include "elmopp/lstm_kernel.h"
+
 #include <stdint.h>
 
 #define ELMOPP_LSTM_INPUTS 4U     ///< x of the outermost level, and outputs
-#define ELMOPP_LSTM_UNITS 16U     ///< cells of a level
 #define ELMOPP_LSTM_LEVELS_MAX 3U ///< 1: plain; 2, 3: nested
-#define ELMOPP_LSTM_GATES (4U * ELMOPP_LSTM_UNITS)
 
 /// Rows of the outermost level's matrix: x, then h. An inner level's x has as many values as it has units.
 #define ELMOPP_LSTM_OUTER_ROWS (ELMOPP_LSTM_INPUTS + ELMOPP_LSTM_UNITS)

@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+/// What tools/bench-cortex-m4 counts: each piece of work between two marks, and its key on a line of standard output.
+/// The n-th line belongs to the n-th pair of marks. A key comes once for every input that is tried. With the argument
+/// `stack` it says instead how many bytes of stack elmopp_controller_tick() has used at most, by what it has
+/// overwritten.
+///
+///   nothing            two marks, one after the other
+///   thousand           a thousand instructions of one cycle
+///   lstm_f32_step      a step of the plain LSTM, over weights, inputs and states from zero to 1e30 and subnormal ones
+///   nlstm3_f32_step    the same of three nested levels
+///   rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches
+///   tick_worst.C[:F]   elmopp_pilot_step() and a lamp tick, chooser C with forecast F at its own horizon (where
+///   nothing
+///                      is said, lstm for cumulative and rollout; the others look at none), eight stages, twelve
+///                      movements (the paper's junction with a constant saturation flow), somebody everywhere
+///   tick_two_groups.C  the same at site five_way: two groups of approaches, eleven stages, eleven movements
+///   tick.lamp          elmopp_controller_tick() without a decision: site four_way, frames of every camera and node
+///   tick.decision      ... with one: chooser rollout, forecast lstm, 17 stages
+
+#include "bench.h"
+#include "count_marks.h"
+#include "elmopp/pressure.h"
+#include "elmopp/priced.h"
+#include "elmopp/rollout.h"
+#include "elmopp/station.h"
+#include "elmopp/urgency.h"
+#include "elmopp_weights.h"
+#include "random.h"
+#include "sites.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define STEP_CASES 200U
+#define FREE_RUNS 20U
+#define WARM_S 70U    ///< a forecast is warm, its account and the chooser's have something in them
+#define LOAD_S 25U    ///< so long there are few, some or many
+#define DECISIONS 90U ///< of each chooser
+#define STREET_S 175U
+
+typedef enum {
+    VALUES_ZERO,
+    VALUES_ORDINARY,   ///< below 4 in size
+    VALUES_SATURATING, ///< below 128
+    VALUES_LARGE,      ///< up to 1e30
+    VALUES_TINY,       ///< subnormal
+    VALUES_COUNT
+} values_t;
+
+static uint64_t seed = 1U;
+static elmopp_lstm_f32_weights_t weights;
+static elmopp_lstm_f32_state_t state;
+static float input[ELMOPP_LSTM_INPUTS];
+
+/* --- numbers --- */
+
+static float within(float size) {
+    return ((float)random_below(&seed, 1U << 24U) - 8388608.0F) * (size / 8388608.0F);
+}
+
+static float subnormal(void) {
+    const uint32_t bits = random_below(&seed, 1U << 23U);
+    float value;
+    (void)memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static float value_of(values_t kind) {
+    static const float size[VALUES_COUNT] = {0.0F, 4.0F, 128.0F, 1.0e30F, 0.0F};
+    return (kind == VALUES_TINY) ? subnormal() : within(size[kind]);
+}
+
+static void fill(float *values, uint32_t count, values_t kind) {
+    for (uint32_t i = 0U; i < count; i++) {
+        values[i] = value_of(kind);
+    }
+}
+
+/* --- the network --- */
+
+static void make_weights(uint32_t levels, values_t kind) {
+    weights.levels = levels;
+    fill(weights.outer.bias, ELMOPP_LSTM_GATES, kind);
+    fill(weights.outer.row[0], ELMOPP_LSTM_OUTER_ROWS * ELMOPP_LSTM_GATES, kind);
+    for (uint32_t i = 0U; i < (ELMOPP_LSTM_LEVELS_MAX - 1U); i++) {
+        fill(weights.inner[i].bias, ELMOPP_LSTM_GATES, kind);
+        fill(weights.inner[i].row[0], ELMOPP_LSTM_INNER_ROWS * ELMOPP_LSTM_GATES, kind);
+    }
+}
+
+static void count_steps(const char *key, uint32_t levels) {
+    for (uint32_t i = 0U; i < STEP_CASES; i++) {
+        make_weights(levels, ((i % 4U) == 3U) ? VALUES_SATURATING : VALUES_ORDINARY);
+        fill(input, ELMOPP_LSTM_INPUTS, (values_t)(i % VALUES_COUNT));
+        fill(state.hidden, ELMOPP_LSTM_UNITS, (values_t)((i / VALUES_COUNT) % VALUES_COUNT));
+        fill(state.cell[0], ELMOPP_LSTM_LEVELS_MAX * ELMOPP_LSTM_UNITS, (values_t)((i / VALUES_COUNT) % VALUES_COUNT));
+        COUNT_BEGIN();
+        elmopp_lstm_f32_step(&weights, &state, input);
+        COUNT_END();
+        (void)puts(key);
+    }
+}
+
+/* Arrivals of a second: some of few, some of many, never the same. */
+static void arrive(float *arrived_veh, uint32_t movements) {
+    for (uint32_t j = 0U; j < movements; j++) {
+        arrived_veh[j] = (float)random_below(&seed, 1000U) / 1000.0F;
+    }
+}
+
+static void count_free_runs(void) {
+    static elmopp_forecast_t forecast;
+    const elmopp_forecast_config_t config = {.kind = ELMOPP_FORECAST_LSTM, .weights = &elmopp_weights_lstm};
+    const float *rows[ELMOPP_APPROACH_MAX];
+    float arrived_veh[ELMOPP_MOVEMENT_MAX];
+    elmopp_forecast_init(&forecast, &elmopp_site_paper, &config);
+    for (uint32_t t = 0U; t < (WARM_S + FREE_RUNS); t++) {
+        arrive(arrived_veh, elmopp_site_paper.movement_count);
+        elmopp_forecast_observe(&forecast, arrived_veh);
+        if (t >= WARM_S) {
+            COUNT_BEGIN();
+            (void)elmopp_forecast_look(&forecast, ELMOPP_PILOT_TRACE_S, rows);
+            COUNT_END();
+            (void)puts("rollout60_f32");
+        }
+    }
+}
+
+/* Somebody is on every movement: by turns few, some and many. */
+static float waiting(uint32_t second) {
+    static const float least_veh[] = {0.2F, 3.0F, 10.0F};
+    static const uint32_t hundredths[] = {300U, 2000U, 5000U};
+    const uint32_t load = (second / LOAD_S) % 3U;
+    return least_veh[load] + (0.01F * (float)random_below(&seed, hundredths[load]));
+}
+
+/* --- the choosers --- */
+
+typedef elmopp_chooser_t (*make_fn_t)(void);
+
+static elmopp_urgency_t urgency;
+
+static elmopp_chooser_t make_urgency(bool cumulative) {
+    const elmopp_urgency_options_t options = {.min_s = 10U, .max_s = 60U, .hysteresis = 1.0F, .cumulative = cumulative};
+    return elmopp_urgency_init(&urgency, &options);
+}
+
+static elmopp_chooser_t make_naive(void) {
+    return make_urgency(false);
+}
+
+static elmopp_chooser_t make_cumulative(void) {
+    return make_urgency(true);
+}
+
+static elmopp_chooser_t make_pressure(void) {
+    static elmopp_pressure_t pressure = {.ratio = ELMOPP_PRESSURE_RATIO, .min_s = 10U, .max_s = 60U};
+    return elmopp_pressure_init(&pressure);
+}
+
+static elmopp_chooser_t make_priced(void) {
+    static elmopp_priced_t priced;
+    return elmopp_priced_init(&priced, 10U, 60U);
+}
+
+static elmopp_chooser_t make_rollout(void) {
+    static elmopp_rollout_t rollout;
+    const elmopp_rollout_options_t options = elmopp_rollout_defaults(0U);
+    return elmopp_rollout_init(&rollout, &options);
+}
+
+static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elmopp_junction_t *site) {
+    static elmopp_junction_t junction;
+    static elmopp_pilot_t pilot;
+    const bool nested = kind == (uint8_t)ELMOPP_FORECAST_NLSTM;
+    const elmopp_forecast_config_t forecast = {.kind = kind,
+                                               .weights = nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm};
+    float present_veh[ELMOPP_MOVEMENT_MAX];
+    float arrived_veh[ELMOPP_MOVEMENT_MAX];
+    const elmopp_counts_t counts = {.present_veh = present_veh, .arrived_veh = arrived_veh, .recall = 0U};
+    junction = *site;
+    junction.discharge = (uint8_t)ELMOPP_DISCHARGE_SATURATION;
+    const elmopp_chooser_t chooser = make();
+    elmopp_pilot_init(&pilot, &junction, &chooser, &forecast);
+    for (uint32_t t = 0U; t < (WARM_S + DECISIONS); t++) {
+        arrive(arrived_veh, junction.movement_count);
+        for (uint32_t j = 0U; j < junction.movement_count; j++) {
+            present_veh[j] = waiting(t);
+        }
+        const bool is_counted = t >= WARM_S;
+        if (is_counted) {
+            COUNT_BEGIN();
+        }
+        (void)elmopp_pilot_step(&pilot, &counts, NULL);
+        (void)elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
+        if (is_counted) {
+            COUNT_END();
+            (void)puts(key);
+        }
+        for (uint32_t i = 1U; i < ELMOPP_LAMP_TICKS_PER_S; i++) {
+            (void)elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
+        }
+    }
+}
+
+/* --- the whole controller, on frames --- */
+
+#define PAINT 0xDEADBEEFU
+#define PAINTED_WORDS 2000U
+
+static elmopp_station_t station;
+static bool is_street_counted;
+static bool is_stack_wanted;
+static uint32_t stack_words;
+
+/* Below the stack pointer nothing is anybody's: no interrupt is enabled. Inline, so that it is the caller's pointer. */
+__attribute__((always_inline)) static inline volatile uint32_t *paint(void) {
+    volatile uint32_t *top;
+    __asm__ volatile("mov %0, sp" : "=r"(top));
+    for (uint32_t k = 1U; k <= PAINTED_WORDS; k++) {
+        *(top - k) = PAINT;
+    }
+    return top;
+}
+
+static void look_at_paint(const volatile uint32_t *top) {
+    for (uint32_t k = stack_words + 1U; k <= PAINTED_WORDS; k++) {
+        stack_words = (*(top - k) != PAINT) ? k : stack_words;
+    }
+}
+
+uint32_t __real_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms, elmopp_frame_t *out);
+uint32_t __wrap_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms, elmopp_frame_t *out);
+
+/* The linker puts this one in the place of the controller's, and calls that one __real (option --wrap). */
+uint32_t __wrap_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms, elmopp_frame_t *out) {
+    if (is_stack_wanted) {
+        volatile uint32_t *top = paint();
+        const uint32_t count = __real_elmopp_controller_tick(self, now_ms, out);
+        look_at_paint(top);
+        return count;
+    }
+    if (!is_street_counted) {
+        return __real_elmopp_controller_tick(self, now_ms, out);
+    }
+    const bool decides = self->second_ds == 0U;
+    COUNT_BEGIN();
+    const uint32_t frames = __real_elmopp_controller_tick(self, now_ms, out);
+    COUNT_END();
+    (void)puts(decides ? "tick.decision" : "tick.lamp");
+    return frames;
+}
+
+static void count_street(void) {
+    static bench_t bench;
+    static elmopp_junction_t junction;
+    static const elmopp_ar8_t no_regression;
+    junction = elmopp_site_four_way;
+    junction.chooser = (uint8_t)ELMOPP_CHOOSER_ROLLOUT;
+    junction.forecast = (uint8_t)ELMOPP_FORECAST_LSTM;
+    bench_start(&bench, &junction);
+    /* The bench's controller asks the bench; here it is one as a board has it. */
+    elmopp_station_init(&station, &junction, &no_regression, &elmopp_weights_lstm);
+    bench.controller = station.controller;
+    (void)bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 1000U);
+    for (uint32_t t = 0U; t < STREET_S; t++) {
+        is_street_counted = t >= WARM_S;
+        for (uint32_t j = 0U; j < junction.movement_count; j++) {
+            bench.present_veh[j] = (uint16_t)(1.0F + waiting(t));
+            bench.arrived_veh[j] += random_below(&seed, 2U);
+        }
+        bench_ticks(&bench, ELMOPP_LAMP_TICKS_PER_S);
+    }
+}
+
+int main(int argc, char **argv) {
+    is_stack_wanted = (argc == 2) && (strcmp(argv[1], "stack") == 0);
+    if (is_stack_wanted) {
+        count_street();
+        (void)printf("%u\n", (unsigned)(stack_words * sizeof(uint32_t)));
+        return 0;
+    }
+    COUNT_BEGIN();
+    COUNT_END();
+    (void)puts("nothing");
+    COUNT_BEGIN();
+    __asm__ volatile(".rept 1000\n\tnop\n\t.endr");
+    COUNT_END();
+    (void)puts("thousand");
+    count_steps("lstm_f32_step", 1U);
+    count_steps("nlstm3_f32_step", ELMOPP_LSTM_LEVELS_MAX);
+    count_free_runs();
+    count_ticks("tick_worst.naive", make_naive, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
+    count_ticks("tick_worst.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.cumulative:nlstm", make_cumulative, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.pressure", make_pressure, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
+    count_ticks("tick_worst.priced", make_priced, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
+    count_ticks("tick_worst.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
+    count_ticks("tick_two_groups.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
+    count_ticks("tick_two_groups.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
+    count_street();
+    return 0;
+}
