@@ -11,6 +11,7 @@
 #include "choosers.hpp"
 #include "counted.hpp"
 #include "scenario.hpp"
+#include "wire.hpp"
 
 #include <memory>
 #include <vector>
@@ -69,8 +70,8 @@ class Link {
 /// The controller in this process, with what a street knows: the shipped regression, running means.
 std::unique_ptr<Link> make_inproc(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand);
 
-/// A controller on a CAN interface: of its own time (real), or of ours (bus).
-std::unique_ptr<Link> make_can(const std::string &interface, bool bus_clock);
+/// A controller at the other end of a wire: of its own time (real), or of ours (bus).
+std::unique_ptr<Link> make_bus(std::unique_ptr<Wire> wire, bool bus_clock);
 
 /// The outer seam: runs the controller through its start-up, in the seconds before second 0 and with nobody waiting,
 /// until it is in automatic mode. Throws BadRequest for a forecast from outside: no frame carries one.

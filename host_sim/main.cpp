@@ -246,11 +246,15 @@ void add_experiment(CLI::App &app, Texts &texts) {
     command->callback([command, &texts] { run_either(*command, texts); });
 }
 
-/// "inproc" or "can:IFACE".
+/// "inproc", "can:IFACE", "slcan:unix:PATH" or "slcan:tty:PATH".
 std::string link_of(const std::string &text) {
-    const std::string bus = "can:";
-    if (text != "inproc" && (text.rfind(bus, 0) != 0 || text.size() == bus.size())) {
-        throw BadRequest("--link \"" + text + "\": right would be inproc or can:IFACE, such as can:vcan0");
+    const std::vector<std::string> wires{"can:", "slcan:unix:", "slcan:tty:"};
+    const auto fits = [&text](const std::string &wire) {
+        return text.rfind(wire, 0) == 0 && text.size() > wire.size();
+    };
+    if (text != "inproc" && std::none_of(wires.begin(), wires.end(), fits)) {
+        throw BadRequest("--link \"" + text +
+                         "\": right would be inproc, can:IFACE, such as can:vcan0, slcan:unix:PATH or slcan:tty:PATH");
     }
     return text;
 }
@@ -283,12 +287,12 @@ RunRequest run_request(const CLI::App &command, const Texts &texts) {
         request.link = link_of(texts.link);
     }
     request.bus_clock = one_of<bool>("--clock", texts.clock, {{"bus", true}, {"real", false}});
-    const bool bus = request.link.rfind("can:", 0) == 0;
+    const bool bus = !request.link.empty() && request.link != "inproc";
     for (const auto *const option : {"--clock", "--weights"}) {
         const bool fits = bus == (std::string(option) == "--clock");
         if (has(option) && !fits) {
             throw BadRequest(
-                std::string(option) + (bus ? " with" : " without") + " --link can:IFACE: " +
+                std::string(option) + (bus ? " with" : " without") + " --link can:IFACE or slcan:PLACE: " +
                 (bus ? "the controller on the bus has its own; right would be elmopp-controller " + std::string(option)
                      : std::string("time is not a matter; right would be no ") + option));
         }
@@ -321,9 +325,11 @@ void add_run(CLI::App &app, Texts &texts) {
     option(
         "--link", texts.link, "NAME",
         "inproc: the whole controller through its frames, whole vehicles and start-up included; can:IFACE: an "
-        "elmopp-controller on that interface (default: real-valued vehicles, straight to forecast, chooser and plan)");
-    option("--clock", texts.clock, "NAME",
-           "With can:IFACE: bus, the controller's lamp ticks are our SimTime frames; real, everybody by his own clock")
+        "elmopp-controller on that interface; slcan:unix:PATH or slcan:tty:PATH: an elmopp-mps2 behind that socket or "
+        "serial device (default: real-valued vehicles, straight to forecast, chooser and plan)");
+    option(
+        "--clock", texts.clock, "NAME",
+        "With can: or slcan: bus, the controller's lamp ticks are our SimTime frames; real, everybody by his own clock")
         ->capture_default_str();
     option("--integrator", texts.integrator, "NAME", "rk4 or euler (default: the profile's)");
     add_traffic_options(command, texts);

@@ -16,6 +16,7 @@
 
 #include <cstdio>
 #include <system_error>
+#include <utility>
 
 namespace elmopp {
 namespace {
@@ -108,7 +109,6 @@ std::unique_ptr<Control> control_of(const RunRequest &request, const Scenario &s
     if (request.link == "inproc") {
         return make_framed(scenario, chooser, demand, make_inproc(scenario, chooser, demand));
     }
-    const std::string interface = request.link.substr(request.link.find(':') + 1);
     if (scenario.junction.simulation_only != 0) {
         throw BadRequest("--link " + request.link + ": site " + scenario.junction.name +
                          " is simulation_only and drives no lamps; right would be --site with another, such as "
@@ -119,7 +119,9 @@ std::unique_ptr<Control> control_of(const RunRequest &request, const Scenario &s
                          ": the controller on the bus runs what its site names; right would be none, or " +
                          full_name(site_chooser(scenario.junction).label(), site_chooser(scenario.junction).forecast));
     }
-    return make_framed(scenario, chooser, demand, make_can(interface, request.bus_clock));
+    const std::string place = request.link.substr(request.link.find(':') + 1);
+    auto wire = request.link.rfind("slcan:", 0) == 0 ? make_slcan_wire(place) : make_can_wire(place);
+    return make_framed(scenario, chooser, demand, make_bus(std::move(wire), request.bus_clock));
 }
 
 } // namespace

@@ -29,8 +29,8 @@ struct RunRequest {
     std::optional<std::filesystem::path> log;     ///< decision log, JSON lines; "-" for stdout
     bool full = false;                            ///< with queues, reds and departures
     std::optional<std::filesystem::path> summary; ///< metrics as JSON; stdout unless given
-    std::string link;                             ///< empty: the inner seam; inproc or can:IFACE: through frames
-    bool bus_clock = true;                        ///< over a bus: our time, or everybody's own
+    std::string link;      ///< empty: the inner seam; otherwise through frames: inproc, can:IFACE, slcan:PLACE
+    bool bus_clock = true; ///< over a bus: our time, or everybody's own
     std::vector<double> split;
     Mapping mapping = Mapping::abs;
     std::optional<Integrator> integrator;

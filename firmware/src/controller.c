@@ -98,6 +98,10 @@ void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault) {
     raise_fault(self, fault, ELMOPP_FAULT_NO_GROUP);
 }
 
+void elmopp_controller_refuse(elmopp_controller_t *self, uint32_t count) {
+    self->bus.refused = (uint8_t)((self->bus.refused + count) & UINT8_MAX);
+}
+
 void elmopp_controller_stop(elmopp_controller_t *self) {
     self->wish = ELMOPP_WISH_ALL_RED;
 }

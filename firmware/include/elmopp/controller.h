@@ -128,6 +128,9 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_c
 /// The port's own findings: ELMOPP_FAULT_MEMORY, ELMOPP_FAULT_PROCESSOR.
 void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault);
 
+/// The port has received so much that was no frame, or had no room for it: counted with the frames that are refused.
+void elmopp_controller_refuse(elmopp_controller_t *self, uint32_t count);
+
 /// The port is about to stop: all red, from now on and as soon as the plan allows.
 void elmopp_controller_stop(elmopp_controller_t *self);
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// The controller on a CAN interface: frames and time over a socket.
+/// The controller at the other end of a wire: frames and time.
 
-#include "can_interface.hpp"
-#include "can_socket.hpp"
 #include "control.hpp"
 #include "error.hpp"
 #include "jobs.hpp"
 #include "wakeups.hpp"
+#include "wire.hpp"
 
 extern "C" {
 #include "bus_clock.h"
@@ -18,6 +17,7 @@ extern "C" {
 #include <poll.h>
 
 #include <iostream>
+#include <utility>
 
 namespace elmopp {
 namespace {
@@ -25,29 +25,17 @@ namespace {
 constexpr std::uint32_t answer_ms = 5000; ///< after which nobody is there
 constexpr std::uint32_t listen_ms = 500;  ///< a lamp node speaks every 100 ms
 
-std::vector<std::uint16_t> answers() {
-    std::vector<std::uint16_t> ids{ELMOPP_CAN_LAMP_COMMAND_FRAME_ID, ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID,
-                                   ELMOPP_CAN_DECISION_TRACE_FRAME_ID};
-    const auto add = [&ids](unsigned first, unsigned count) {
-        for (unsigned i = 0; i < count; ++i) {
-            ids.push_back(static_cast<std::uint16_t>(first + i));
-        }
-    };
-    add(ELMOPP_CAN_FORECAST_FRAME_ID, ELMOPP_APPROACH_MAX);
-    add(ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID, ELMOPP_NODE_MAX);
-    return ids;
-}
-
-void wait_for(const CanSocket &socket, int ms) {
-    pollfd source{socket.descriptor(), POLLIN, 0};
+void wait_for(const Wire &wire, int ms) {
+    pollfd source{wire.descriptor(), POLLIN, 0};
     (void)poll(&source, 1, ms);
 }
 
 /// Lockstep: one SimTime, one answer.
 class Lockstep final : public Link {
   public:
-    explicit Lockstep(const std::string &interface) : interface_(interface), socket_(interface, answers()) {
+    explicit Lockstep(std::unique_ptr<Wire> wire) : wire_(std::move(wire)) {
         send_time(0); // begins anew
+        wire_->settle();
     }
 
     std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t now_ms) override {
@@ -58,18 +46,17 @@ class Lockstep final : public Link {
         std::vector<elmopp_frame_t> heard;
         const std::uint32_t begun_ms = monotonic_ms();
         while (monotonic_ms() - begun_ms < answer_ms) {
-            while (const auto frame = socket_.receive()) {
+            while (const auto frame = wire_->receive()) {
                 heard.push_back(*frame);
                 if (frame->id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID) {
                     return heard;
                 }
             }
             check_interrupt();
-            wait_for(socket_, 100);
+            wait_for(*wire_, 100);
         }
-        throw Failure("--link can:" + interface_ + ": no answer within " + std::to_string(answer_ms / 1000) +
-                      " s; right would be a running elmopp-controller --can " + interface_ +
-                      " --clock bus with the same site");
+        throw Failure("--link " + wire_->name() + ": no answer within " + std::to_string(answer_ms / 1000) +
+                      " s; right would be " + wire_->peer());
     }
 
     [[nodiscard]] bool has_node(std::uint32_t /*node*/) const override {
@@ -88,33 +75,31 @@ class Lockstep final : public Link {
     }
 
     void send(const elmopp_frame_t &frame) {
-        if (!socket_.send_surely(frame)) {
-            throw Failure("--link can:" + interface_ + ": nothing can be sent");
+        if (!wire_->send_surely(frame)) {
+            throw Failure("--link " + wire_->name() + ": nothing can be sent");
         }
     }
 
-    std::string interface_;
-    CanSocket socket_;
+    std::unique_ptr<Wire> wire_;
     std::uint8_t counter_ = 0;
 };
 
 /// Everybody by his own clock.
 class RealTime final : public Link {
   public:
-    explicit RealTime(const std::string &interface)
-        : socket_(interface, answers()), wakeups_(ELMOPP_CONTROLLER_TICK_MS, {}) {
+    explicit RealTime(std::unique_ptr<Wire> wire) : wire_(std::move(wire)), wakeups_(ELMOPP_CONTROLLER_TICK_MS, {}) {
         listen();
     }
 
     std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t /*now_ms*/) override {
         for (const auto &frame : frames) {
-            (void)socket_.send(frame);
+            (void)wire_->send(frame);
         }
         std::vector<elmopp_frame_t> heard;
         std::uint64_t due = 0;
         while (due == 0) {
-            wakeups_.wait(socket_.descriptor());
-            while (const auto frame = socket_.receive()) {
+            wakeups_.wait(wire_->descriptor());
+            while (const auto frame = wire_->receive()) {
                 heard.push_back(*frame);
             }
             check_interrupt();
@@ -141,16 +126,16 @@ class RealTime final : public Link {
     void listen() {
         const std::uint32_t begun_ms = monotonic_ms();
         while (monotonic_ms() - begun_ms < listen_ms) {
-            while (const auto frame = socket_.receive()) {
+            while (const auto frame = wire_->receive()) {
                 const unsigned node = frame->id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
                 nodes_ |= node < ELMOPP_NODE_MAX ? 1U << node : 0U;
             }
-            wait_for(socket_, 50);
+            wait_for(*wire_, 50);
         }
         (void)wakeups_.ticks();
     }
 
-    CanSocket socket_;
+    std::unique_ptr<Wire> wire_;
     Wakeups wakeups_;
     std::uint32_t nodes_ = 0;
     std::uint64_t missed_ = 0;
@@ -159,14 +144,11 @@ class RealTime final : public Link {
 
 } // namespace
 
-std::unique_ptr<Link> make_can(const std::string &interface, bool bus_clock) {
-    if (const std::string warning = check_can(interface); !warning.empty()) {
-        std::cerr << "host_sim: " << warning << "\n";
-    }
+std::unique_ptr<Link> make_bus(std::unique_ptr<Wire> wire, bool bus_clock) {
     if (bus_clock) {
-        return std::make_unique<Lockstep>(interface);
+        return std::make_unique<Lockstep>(std::move(wire));
     }
-    return std::make_unique<RealTime>(interface);
+    return std::make_unique<RealTime>(std::move(wire));
 }
 
 } // namespace elmopp

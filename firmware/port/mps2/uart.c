@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: Apache-2.0
+ * Copyright 2026 The ELMOPP authors */
+
+#include "uart.h"
+
+#include "processor.h"
+
+#define STATE_SENDING 1U /* the device's one place for a character to send is taken */
+#define STATE_RECEIVED 2U
+#define STATE_OVERRUN 8U
+#define CONTROL_SEND 1U
+#define CONTROL_RECEIVE 2U
+#define CONTROL_SEND_INTERRUPT 4U
+#define CONTROL_RECEIVE_INTERRUPT 8U
+#define INTERRUPT_SEND 1U
+#define INTERRUPT_RECEIVE 2U
+#define DIVIDER_MIN 16U
+
+typedef struct {
+    volatile uint32_t data;
+    volatile uint32_t state; /* written: ones clear the overruns */
+    volatile uint32_t control;
+    volatile uint32_t interrupt; /* written: ones clear */
+    volatile uint32_t divider;
+} device_t;
+
+static device_t *device_of(const elmopp_uart_t *self) {
+    return (device_t *)self->base;
+}
+
+void elmopp_uart_init(elmopp_uart_t *self, uintptr_t base, uint32_t clock_hz, uint32_t baud) {
+    self->base = base;
+    self->received = 0U;
+    self->read = 0U;
+    self->sent = 0U;
+    self->written = 0U;
+    self->rests = false;
+    self->overrun = 0U;
+    device_t *device = device_of(self);
+    const uint32_t divider = clock_hz / baud;
+    device->divider = (divider < DIVIDER_MIN) ? DIVIDER_MIN : divider;
+    device->control = CONTROL_SEND | CONTROL_RECEIVE | CONTROL_SEND_INTERRUPT | CONTROL_RECEIVE_INTERRUPT;
+}
+
+/* --- with interrupts off, or in the handler --- */
+
+static void pull(elmopp_uart_t *self) {
+    device_t *device = device_of(self);
+    if ((device->state & STATE_OVERRUN) != 0U) {
+        device->state = STATE_OVERRUN;
+        self->overrun++;
+    }
+    while (((device->state & STATE_RECEIVED) != 0U) && ((self->received - self->read) < ELMOPP_UART_RECEIVE_SIZE)) {
+        self->receive_ring[self->received % ELMOPP_UART_RECEIVE_SIZE] = (uint8_t)device->data;
+        self->received++;
+    }
+    self->rests = (self->received - self->read) >= ELMOPP_UART_RECEIVE_SIZE;
+    const uint32_t others = CONTROL_SEND | CONTROL_RECEIVE | CONTROL_SEND_INTERRUPT;
+    device->control = others | (self->rests ? 0U : CONTROL_RECEIVE_INTERRUPT);
+}
+
+static void push(elmopp_uart_t *self) {
+    device_t *device = device_of(self);
+    while (((device->state & STATE_SENDING) == 0U) && (self->sent != self->written)) {
+        device->data = self->send_ring[self->sent % ELMOPP_UART_SEND_SIZE];
+        self->sent++;
+    }
+}
+
+void elmopp_uart_interrupt(elmopp_uart_t *self) {
+    device_of(self)->interrupt = INTERRUPT_SEND | INTERRUPT_RECEIVE;
+    pull(self);
+    push(self);
+}
+
+/* --- for the main --- */
+
+bool elmopp_uart_has(const elmopp_uart_t *self) {
+    return self->received != self->read;
+}
+
+bool elmopp_uart_read(elmopp_uart_t *self, char *character) {
+    if (!elmopp_uart_has(self)) {
+        return false;
+    }
+    *character = (char)self->receive_ring[self->read % ELMOPP_UART_RECEIVE_SIZE];
+    self->read++;
+    if (self->rests && ((self->received - self->read) <= (ELMOPP_UART_RECEIVE_SIZE / 2U))) {
+        elmopp_interrupts_off();
+        self->rests = false;
+        device_of(self)->control |= CONTROL_RECEIVE_INTERRUPT; /* before: what comes from now on interrupts */
+        pull(self);
+        elmopp_interrupts_on();
+    }
+    return true;
+}
+
+bool elmopp_uart_write(elmopp_uart_t *self, const char *text, uint32_t length) {
+    if ((ELMOPP_UART_SEND_SIZE - (self->written - self->sent)) < length) {
+        return false;
+    }
+    for (uint32_t k = 0U; k < length; k++) {
+        self->send_ring[(self->written + k) % ELMOPP_UART_SEND_SIZE] = (uint8_t)text[k];
+    }
+    self->written += length;
+    elmopp_interrupts_off();
+    push(self);
+    elmopp_interrupts_on();
+    return true;
+}
