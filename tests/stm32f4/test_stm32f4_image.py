@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
-"""The image elmopp-stm32f4 in QEMU's netduinoplus2 (an STM32F405): neither crystal nor CAN controller are modelled there.
+"""The image elmopp-stm32f4 in QEMU's netduinoplus2, an STM32F405 that has neither crystal nor CAN controller.
 
-ELMOPP_IMAGE names the image, ELMOPP_OTHER_IMAGE one that may be told the time over the bus, to show that what is looked for
-can be found. Images are patched as ELF files and sealed anew, so that a fault happens where a test wants it.
+ELMOPP_IMAGE names the image, ELMOPP_OTHER_IMAGE one that may be told the time over the bus, to show that what is looked
+for can be found. Images are patched as ELF files and sealed anew, so that a fault happens where a test wants it.
 """
 
 from __future__ import annotations
