@@ -35,11 +35,15 @@ PUSH_FOR_EVER = b"\x00\xb5\xfd\xe7"  # push {lr}; b to it
 class Board:
     """An emulated board and what it says on its serial line."""
 
-    def __init__(self, image: Path) -> None:
+    def __init__(self, image: Path, *options: str) -> None:
         self.said: list[str] = []
         self._lines: queue.Queue[str | None] = queue.Queue()
         self._process = subprocess.Popen(
-            [*QEMU, str(image)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            [*QEMU, str(image), *options],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
         )
         threading.Thread(target=self._listen, daemon=True).start()
 
@@ -76,8 +80,8 @@ def boards() -> Iterator[list[Board]]:
         board.end()
 
 
-def start(boards: list[Board], image: Path) -> Board:
-    boards.append(Board(image))
+def start(boards: list[Board], image: Path, *options: str) -> Board:
+    boards.append(Board(image, *options))
     return boards[-1]
 
 
@@ -148,6 +152,43 @@ def test_a_stack_that_overflows_ends_in_the_fault_handler_with_variables_intact(
     assert lines[0] == "elmopp-stm32f4 starts; last reset:"
     # What variables hold, here the lines that still waited, was not overwritten.
     assert lines[lines.index("stopped, begins anew:") + 1] == "fault handler"
+
+
+@pytest.fixture
+def stored_site(tmp_path: Path) -> Path:
+    """Another junction than the one that is compiled in, as an image."""
+    file = tmp_path / "site.bin"
+    command = [
+        sys.executable,
+        str(ROOT / "tools" / "site"),
+        str(ROOT / "sites" / "three_way.toml"),
+        "--image",
+        str(file),
+    ]
+    subprocess.run(command, check=True, capture_output=True)
+    return file
+
+
+def stored(file: Path) -> tuple[str, str]:
+    """Options that put it where a site may be stored, sector 10 of the flash."""
+    return "-device", f"loader,file={file},addr=0x080C0000,force-raw=on"
+
+
+def test_a_stored_site_is_taken(boards: list[Board], stored_site: Path) -> None:
+    board = start(boards, IMAGE, *stored(stored_site))
+    board.hear("fail-safe, the lamps flash; fault:")
+    board.hear("oscillator")
+    assert not [line for line in board.said if "refused" in line]
+
+
+def test_a_stored_site_with_a_flipped_bit_is_refused_and_named(boards: list[Board], stored_site: Path) -> None:
+    changed = bytearray(stored_site.read_bytes())
+    changed[100] ^= 0x01
+    stored_site.write_bytes(changed)
+    board = start(boards, IMAGE, *stored(stored_site))
+    board.hear("the stored site is refused: it is not what tools/site writes")
+    board.hear("site data changed")
+    assert board.after("fail-safe, the lamps flash; fault:") == "site data changed"
 
 
 def test_nothing_in_the_image_knows_simulated_time() -> None:
