@@ -74,7 +74,7 @@ elmopp_clocks_t elmopp_clocks_start(const elmopp_clocks_registers_t *registers) 
 }
 
 const char *elmopp_clocks_trouble_name(elmopp_clocks_trouble_t trouble) {
-    const char *name = "unknown";
+    const char *name;
     switch (trouble) {
     case ELMOPP_CLOCKS_WELL:
         name = "well";
@@ -92,6 +92,7 @@ const char *elmopp_clocks_trouble_name(elmopp_clocks_trouble_t trouble) {
         name = "the PLL's clock is not taken";
         break;
     default:
+        name = "unknown";
         break;
     }
     return name;

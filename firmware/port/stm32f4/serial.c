@@ -4,6 +4,7 @@
 #include "serial.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #define BAUD 115200U
 
@@ -49,7 +50,7 @@ void elmopp_serial_look(elmopp_serial_t *self) {
 }
 
 void elmopp_serial_flush(elmopp_serial_t *self) {
-    bool goes_on = true;
+    bool goes_on = self->registers != NULL; /* it may end before it has begun */
     for (uint32_t k = 0U; (k < ELMOPP_SERIAL_RING) && goes_on; k++) {
         goes_on = false;
         for (uint32_t looks = 0U; (looks < ELMOPP_SERIAL_LOOKS) && (!goes_on) && (self->out != self->put); looks++) {

@@ -69,6 +69,7 @@ static elmopp_clocks_t clocks;
 static bool brown_out_is_set;
 static uint32_t told_dropped;
 static elmopp_bxcan_state_t told_state;
+static uint32_t told_passives;
 
 /* --- interrupts --- */
 
@@ -105,6 +106,7 @@ static void start_can(void) {
     elmopp_bxcan_init(&can, ELMOPP_CAN1, &config);
     elmopp_bxcan_start(&can, elmopp_port_now_ms());
     told_state = can.state;
+    told_passives = 0U;
 }
 
 /* The watchdog's own reset leaves no note; a run that it had to end is one that a fault has ended. */
@@ -132,6 +134,10 @@ void elmopp_port_init(void) {
 /* --- what goes on beside the frames, every millisecond --- */
 
 static void tell_can(void) {
+    if (can.passives != told_passives) {
+        told_passives = can.passives;
+        elmopp_port_say("CAN: error-passive; is anybody else there, and is the bus terminated?");
+    }
     if (can.state == told_state) {
         return;
     }
@@ -231,9 +237,11 @@ void elmopp_port_say(const char *text) {
     elmopp_serial_say(&serial, text);
 }
 
-/* The reset takes CAN off the bus, and whoever hears no command flashes. */
+/* First of all CAN is taken off the bus: after a failure of the crystal it would speak at a wrong rate. Whoever hears
+   no command flashes. */
 void elmopp_port_fail(const char *what) {
     elmopp_interrupts_off();
+    elmopp_register_write(&ELMOPP_CAN1->mcr, ELMOPP_BXCAN_MCR_RESET);
     elmopp_port_say("stopped, begins anew:");
     elmopp_port_say(what);
     elmopp_serial_flush(&serial);
