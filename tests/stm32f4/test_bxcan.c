@@ -125,7 +125,14 @@ static void test_two_frames_of_one_id_never_change_places(void) {
     for (uint8_t k = 0U; k < 6U; k++) {
         (void)bench_send(STATUS, k);
     }
-    bench_pass_ms(10U);
+    const elmopp_frame_t other = bench_frame(0x101U, 0U);
+    for (uint32_t k = 0U; k < 60U; k++) { /* a main loop that is quick, and others that come between two of ours */
+        if ((k % 4U) == 1U) {
+            bxcan_model_hear(&other);
+        }
+        elmopp_bxcan_step(&bench_can, bench_now_ms);
+        bxcan_model_pass_bits(60U);
+    }
     for (uint8_t k = 0U; k < 6U; k++) {
         expect_sent(k, STATUS, k);
     }
@@ -156,6 +163,7 @@ static void test_what_does_not_go_out_in_time_is_taken_back_and_counted(void) {
     }
     bench_pass_ms(ELMOPP_BXCAN_SEND_MS + 2U);
     TEST_ASSERT_EQUAL_UINT32(6U, bench_can.mailboxes.unsent);
+    TEST_ASSERT_EQUAL_UINT32(0U, bench_can.mailboxes.sent);
     bxcan_model_break(BXCAN_FAULT_NONE, 0U, UINT32_MAX);
     bench_pass_ms(50U);
     TEST_ASSERT_EQUAL_UINT32(0U, bxcan_model_sent()); /* nothing stale comes later */
@@ -346,6 +354,39 @@ static void test_after_ten_bus_offs_in_a_row_it_gives_up_and_is_silent(void) {
     TEST_ASSERT_EQUAL_UINT32(0U, bxcan_model_sent());
 }
 
+/* In the initialisation mode its output is recessive, and nothing interrupts. */
+static void expect_given_up(elmopp_bxcan_trouble_t trouble) {
+    bench_reach(ELMOPP_BXCAN_FAILED, 4000U);
+    bxcan_model_break(BXCAN_FAULT_NONE, 0U, UINT32_MAX);
+    bench_pass_ms(5U);
+    TEST_ASSERT_EQUAL_INT(trouble, bench_can.trouble);
+    TEST_ASSERT_EQUAL_HEX32(1U, elmopp_register_read(&bxcan_model_registers()->msr) & 3U);
+    TEST_ASSERT_EQUAL_HEX32(0U, elmopp_register_read(&bxcan_model_registers()->ier));
+}
+
+static void test_a_bus_that_is_stuck_from_the_start_is_given_up_and_named(void) {
+    bxcan_model_break(BXCAN_FAULT_DOMINANT, 0U, UINT32_MAX);
+    expect_given_up(ELMOPP_BXCAN_NO_JOIN);
+    TEST_ASSERT_EQUAL_UINT32(ELMOPP_BXCAN_TRIES, bench_can.count[ELMOPP_BXCAN_NO_JOIN]);
+}
+
+static void test_a_bus_that_is_stuck_after_bus_off_is_given_up_and_named(void) {
+    bench_reach(ELMOPP_BXCAN_RUNNING, 5U);
+    bxcan_model_set_transmit_errors(256U);
+    bxcan_model_break(BXCAN_FAULT_DOMINANT, 0U, UINT32_MAX);
+    expect_given_up(ELMOPP_BXCAN_NO_RETURN);
+    TEST_ASSERT_EQUAL_UINT32(1U, bench_can.count[ELMOPP_BXCAN_BUS_OFF]);
+    TEST_ASSERT_EQUAL_UINT32(ELMOPP_BXCAN_TRIES - 1U, bench_can.count[ELMOPP_BXCAN_NO_RETURN]);
+    TEST_ASSERT_EQUAL_UINT32(0U, bench_can.returned);
+}
+
+static void test_a_mailbox_that_is_not_given_back_is_given_up_and_named(void) {
+    bench_reach(ELMOPP_BXCAN_RUNNING, 5U);
+    bxcan_model_break(BXCAN_FAULT_MAILBOX, 0U, UINT32_MAX);
+    (void)bench_send(LAMP_COMMAND, 1U);
+    expect_given_up(ELMOPP_BXCAN_NO_MAILBOX);
+}
+
 static void test_whoever_has_given_up_can_be_started_anew(void) {
     bench_reach(ELMOPP_BXCAN_RUNNING, 5U);
     destroy_everything();
@@ -405,6 +446,9 @@ int main(void) {
     RUN_TEST(test_the_way_back_from_bus_off_takes_128_times_11_recessive_bits);
     RUN_TEST(test_it_returns_from_bus_off_on_a_bus_that_is_full);
     RUN_TEST(test_after_ten_bus_offs_in_a_row_it_gives_up_and_is_silent);
+    RUN_TEST(test_a_bus_that_is_stuck_from_the_start_is_given_up_and_named);
+    RUN_TEST(test_a_bus_that_is_stuck_after_bus_off_is_given_up_and_named);
+    RUN_TEST(test_a_mailbox_that_is_not_given_back_is_given_up_and_named);
     RUN_TEST(test_whoever_has_given_up_can_be_started_anew);
     RUN_TEST(test_ten_seconds_without_trouble_give_all_tries_back);
     RUN_TEST(test_every_trouble_has_a_name);

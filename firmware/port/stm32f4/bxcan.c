@@ -78,12 +78,8 @@ static void fail_if_late(elmopp_bxcan_t *self, uint32_t limit_ms, elmopp_bxcan_t
 }
 
 static void run(elmopp_bxcan_t *self, uint32_t now_ms) {
-    if (elmopp_bxcan_mailboxes_are_empty(&self->mailboxes)) {
-        elmopp_bxcan_fifo_listen(&self->fifo, true);
-        enter(self, ELMOPP_BXCAN_RUNNING, now_ms);
-    } else {
-        fail(self, ELMOPP_BXCAN_NO_MAILBOX, now_ms);
-    }
+    elmopp_bxcan_fifo_listen(&self->fifo, true);
+    enter(self, ELMOPP_BXCAN_RUNNING, now_ms);
 }
 
 /* --- what each state waits for --- */

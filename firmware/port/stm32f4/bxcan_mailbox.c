@@ -19,11 +19,6 @@ static bool is_empty(uint32_t status, uint32_t mailbox) {
     return (status & (ELMOPP_BXCAN_TSR_TME << mailbox)) != 0U;
 }
 
-bool elmopp_bxcan_mailboxes_are_empty(const elmopp_bxcan_mailboxes_t *self) {
-    const uint32_t status = elmopp_register_read(&self->registers->tsr);
-    return (status & ELMOPP_BXCAN_TSR_TME_ALL) == ELMOPP_BXCAN_TSR_TME_ALL;
-}
-
 void elmopp_bxcan_mailboxes_clear(elmopp_bxcan_mailboxes_t *self) {
     for (uint32_t m = 0U; m < ELMOPP_BXCAN_MAILBOXES; m++) {
         elmopp_register_write(&self->registers->tsr, of_mailbox(ELMOPP_BXCAN_TSR_ABRQ, m));

@@ -54,13 +54,11 @@ void elmopp_bxcan_mailboxes_init(elmopp_bxcan_mailboxes_t *self, elmopp_bxcan_re
 /// Forgets what waits and asks for all three mailboxes back.
 void elmopp_bxcan_mailboxes_clear(elmopp_bxcan_mailboxes_t *self);
 
-/// True if the hardware says that all three are empty.
-bool elmopp_bxcan_mailboxes_are_empty(const elmopp_bxcan_mailboxes_t *self);
-
 /// Takes a frame to send. False if there is no room; it is then counted as unsent.
 bool elmopp_bxcan_mailboxes_put(elmopp_bxcan_mailboxes_t *self, const elmopp_frame_t *frame, uint32_t now_ms);
 
-/// Moves on what can be moved. False if a mailbox is broken.
+/// Moves on what can be moved. False if a mailbox is broken: not given back in time, or not empty when nothing is in
+/// it.
 bool elmopp_bxcan_mailboxes_step(elmopp_bxcan_mailboxes_t *self, uint32_t now_ms);
 
 #endif

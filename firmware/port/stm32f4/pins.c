@@ -4,7 +4,6 @@
 #include "pins.h"
 
 #define SERIAL_TRANSMIT 6U
-#define SERIAL_RECEIVE 7U
 #define CAN_RECEIVE 8U
 #define CAN_TRANSMIT 9U
 #define KEY 4U
@@ -44,10 +43,8 @@ void elmopp_pins_start(const elmopp_pins_registers_t *registers) {
     let_clock_to(&registers->rcc->apb1enr, ELMOPP_RCC_APB1ENR_CAN1);
     let_clock_to(&registers->rcc->apb2enr, ELMOPP_RCC_APB2ENR_USART1);
     pull_up(registers->b, CAN_RECEIVE);
-    pull_up(registers->b, SERIAL_RECEIVE);
     pull_up(registers->c, KEY);
     give_to(registers->b, SERIAL_TRANSMIT, FUNCTION_USART1);
-    give_to(registers->b, SERIAL_RECEIVE, FUNCTION_USART1);
     give_to(registers->b, CAN_RECEIVE, FUNCTION_CAN1);
     give_to(registers->b, CAN_TRANSMIT, FUNCTION_CAN1);
 }

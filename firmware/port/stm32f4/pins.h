@@ -3,7 +3,7 @@
 
 /// Pins: what each of the board's pins that this port uses is for. docs/bench.md has the wiring.
 ///
-///   PB6, PB7  USART1, lines for people
+///   PB6       USART1 transmit, lines for people
 ///   PB8, PB9  CAN1 receive and transmit; receive is pulled up, so that a missing transceiver reads as an idle bus
 ///   PC4       the key switch to ground; pulled up, so that a broken wire reads as "let go"
 ///
