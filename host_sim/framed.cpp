@@ -8,6 +8,7 @@
 
 extern "C" {
 #include "bus_clock.h"
+#include "elmopp/sight.h"
 #include "elmopp_can.h"
 }
 
@@ -264,11 +265,21 @@ class Framed final : public Control {
     elmopp_ms_t now_ms_ = 0;
 };
 
+/// A street's rollout counts with the time that the reach takes to drive, as the station sets it; the fluid, in which
+/// nobody drives, tells it none.
+Setting street_setting(const Scenario &scenario, const ChooserSpec &spec) {
+    Setting setting = scenario.setting();
+    if (spec.name == "rollout") {
+        setting.travel_s = elmopp_sight_travel_s(scenario.junction.reach_m);
+    }
+    return setting;
+}
+
 /// The controller in this process.
 class InProcess final : public Link {
   public:
     InProcess(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
-        : plugged_(make_chooser(spec, scenario.setting())),
+        : setting_(street_setting(scenario, spec)), plugged_(make_chooser(spec, setting_)),
           ar8_(scenario.junction.approach_count, shipped_weights("lstm")->ar8) {
         elmopp_forecast_config_t forecast = forecast_of(spec, demand);
         forecast.ar8 = ar8_.data();
@@ -300,6 +311,7 @@ class InProcess final : public Link {
     }
 
   private:
+    Setting setting_;
     std::unique_ptr<Plugged> plugged_;
     std::vector<elmopp_ar8_t> ar8_;
     elmopp_controller_t controller_{};

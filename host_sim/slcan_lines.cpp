@@ -15,7 +15,7 @@ bool is_acknowledgement(const std::string &line) {
     return line.empty() || line == "z" || line == "Z";
 }
 
-/// Version, serial number, status flags, and frames that no junction sends: they are in order, and say nothing to us.
+/// Version, serial number, status flags, and frames that no junction sends.
 bool is_other(const std::string &line) {
     const std::string letters = "VvNFTrR";
     const auto plain = [](char c) { return c >= '0' && c <= 'Z'; };
@@ -32,7 +32,9 @@ void SlcanLines::end_line(std::deque<SlcanEvent> &events) {
         events.emplace_back(SlcanAnswer{true});
     } else if (elmopp_slcan_read(line_.data(), static_cast<std::uint32_t>(line_.size()), &frame)) {
         events.emplace_back(frame);
-    } else if (!is_other(line_)) {
+    } else if (is_other(line_)) {
+        events.emplace_back(SlcanOther{line_});
+    } else {
         ++rubbish_;
     }
     line_.clear();

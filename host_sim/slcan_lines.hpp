@@ -25,8 +25,12 @@ struct SlcanAnswer {
     bool good;
 };
 
-/// A frame of the bus, or an answer.
-using SlcanEvent = std::variant<elmopp_frame_t, SlcanAnswer>;
+/// A line that an adaptor may say and that is neither: its version, frames that no junction sends.
+struct SlcanOther {
+    std::string line;
+};
+
+using SlcanEvent = std::variant<elmopp_frame_t, SlcanAnswer, SlcanOther>;
 
 class SlcanLines {
   public:

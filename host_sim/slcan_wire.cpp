@@ -68,13 +68,18 @@ int open_serial(const std::string &place, const std::string &path) {
     return descriptor;
 }
 
+/// A socket whose other end is gone must not end the program.
+ssize_t put(int descriptor, const char *text, std::size_t length) {
+    const ssize_t sent = ::send(descriptor, text, length, MSG_NOSIGNAL);
+    return sent < 0 && errno == ENOTSOCK ? ::write(descriptor, text, length) : sent;
+}
+
 } // namespace
 
 SlcanWire::SlcanWire(std::string place, int descriptor, std::uint32_t answer_ms)
     : place_(std::move(place)), descriptor_(descriptor), answer_ms_(answer_ms) {
     try {
-        write("\r\r\r"); // ends what somebody else may have begun
-        (void)command("C");
+        begin_anew();
         if (!command("S6") || !command("O")) {
             fail("does not open its channel at 500 kbit/s");
         }
@@ -86,7 +91,7 @@ SlcanWire::SlcanWire(std::string place, int descriptor, std::uint32_t answer_ms)
 }
 
 SlcanWire::~SlcanWire() {
-    (void)::write(descriptor_, "C\r", 2);
+    (void)put(descriptor_, "C\r", 2);
     (void)close(descriptor_);
 }
 
@@ -125,9 +130,9 @@ void SlcanWire::sort() {
     for (const SlcanEvent &event : events_) {
         if (const auto *frame = std::get_if<elmopp_frame_t>(&event)) {
             frames_.push_back(*frame);
-        } else {
+        } else if (const auto *answer = std::get_if<SlcanAnswer>(&event)) {
             under_way_ -= under_way_ > 0 ? 1U : 0U;
-            refused_ += std::get<SlcanAnswer>(event).good ? 0U : 1U;
+            refused_ += answer->good ? 0U : 1U;
         }
     }
     events_.clear();
@@ -137,7 +142,7 @@ void SlcanWire::write(const std::string &text) {
     std::size_t done = 0;
     const std::uint32_t begun_ms = monotonic_ms();
     while (done < text.size()) {
-        const ssize_t length = ::write(descriptor_, text.data() + done, text.size() - done);
+        const ssize_t length = put(descriptor_, text.data() + done, text.size() - done);
         if (length > 0) {
             done += static_cast<std::size_t>(length);
         } else if (length < 0 && errno != EAGAIN && errno != EINTR) {
@@ -152,22 +157,41 @@ void SlcanWire::write(const std::string &text) {
     }
 }
 
-bool SlcanWire::command(const std::string &text) {
-    write(text + "\r");
+/// The next thing that is said, or Failure.
+SlcanEvent SlcanWire::next() {
     const std::uint32_t begun_ms = monotonic_ms();
-    for (;;) {
-        read();
-        while (!events_.empty()) {
-            const SlcanEvent event = events_.front();
-            events_.pop_front();
-            if (const auto *answer = std::get_if<SlcanAnswer>(&event)) {
-                return answer->good;
-            }
-        }
+    read();
+    while (events_.empty()) {
         if (monotonic_ms() - begun_ms > answer_ms_) {
             fail("no answer within " + std::to_string(answer_ms_ / 1000) + " s");
         }
         wait(look_ms);
+        read();
+    }
+    SlcanEvent event = events_.front();
+    events_.pop_front();
+    return event;
+}
+
+/// Ends what somebody else may have begun, and shuts the channel. Only the version is an answer that nothing else gets:
+/// when it comes, nothing of before is left.
+void SlcanWire::begin_anew() {
+    write("\r\r\rC\rV\r");
+    bool told = false;
+    while (!told) {
+        const SlcanEvent event = next();
+        const auto *other = std::get_if<SlcanOther>(&event);
+        told = other != nullptr && other->line[0] == 'V';
+    }
+}
+
+bool SlcanWire::command(const std::string &text) {
+    write(text + "\r");
+    for (;;) {
+        const SlcanEvent event = next();
+        if (const auto *answer = std::get_if<SlcanAnswer>(&event)) {
+            return answer->good;
+        }
     }
 }
 

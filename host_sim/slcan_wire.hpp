@@ -48,6 +48,8 @@ class SlcanWire final : public Wire {
     void sort();
     void wait(int ms) const;
     void write(const std::string &text);
+    SlcanEvent next();
+    void begin_anew();
     bool command(const std::string &text);
     bool have_room(std::uint32_t limit_ms);
 

@@ -34,6 +34,7 @@ if(NOT CMAKE_INTERPROCEDURAL_OPTIMIZATION)
     elmopp_add_host_sim_test(NAME test_choosers LABELS unit sim)
     elmopp_add_host_sim_test(NAME test_claims LIBS nlohmann_json::nlohmann_json LABELS unit golden sim)
     elmopp_add_host_sim_test(NAME test_jobs LABELS unit sim)
+    elmopp_add_host_sim_test(NAME test_slcan_wire LABELS unit sim)
 endif()
 
 # elmopp_add_host_sim_python_test(NAME <name> [LABELS <label>...] TIMEOUT <seconds>): tests/python/<name>.py with this

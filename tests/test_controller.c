@@ -465,6 +465,15 @@ static void test_manual_shows_the_stage_asked_for(void) {
     TEST_ASSERT_EQUAL_UINT8(3U, bench.controller.manual_stage);
 }
 
+static void test_what_the_port_could_not_read_is_counted_with_what_is_refused(void) {
+    const uint8_t before = bench.controller.bus.refused;
+    elmopp_controller_refuse(&bench.controller, 3U);
+    TEST_ASSERT_EQUAL_UINT8(before + 3U, bench.controller.bus.refused);
+    elmopp_controller_refuse(&bench.controller, 0U);
+    elmopp_controller_refuse(&bench.controller, 256U);
+    TEST_ASSERT_EQUAL_UINT8(before + 3U, bench.controller.bus.refused);
+}
+
 static void test_requests_that_do_not_exist_are_refused(void) {
     start();
     TEST_ASSERT_FALSE(bench_command(&bench, ELMOPP_REQUEST_NONE, 0U));
@@ -656,6 +665,7 @@ int main(void) {
     RUN_TEST(test_a_cleared_fault_that_is_still_there_comes_back);
     RUN_TEST(test_every_wish_is_fulfilled_and_run_brings_automatic_back);
     RUN_TEST(test_manual_shows_the_stage_asked_for);
+    RUN_TEST(test_what_the_port_could_not_read_is_counted_with_what_is_refused);
     RUN_TEST(test_requests_that_do_not_exist_are_refused);
     RUN_TEST(test_the_schedule_flashes_at_night_and_the_clock_runs);
     RUN_TEST(test_ticks_keep_to_their_grid);

@@ -17,8 +17,9 @@
 #include <stddef.h>
 
 #define CLOCK_HZ 25000000U
-#define BAUD 1000000U /* 45,000 characters a second would do for what a bus of 500 kbit/s carries; QEMU does not care  \
-                       */
+#define BAUD                                                                                                           \
+    1000000U /* 45,000 characters a second would do for what a bus of 500 kbit/s carries; QEMU does not care           \
+              */
 #define BUS_UART 0x40004000U
 #define PEOPLE_UART 0x40005000U
 #define INTERRUPTS 32U

@@ -12,6 +12,7 @@
 #define CONTROL_RECEIVE 2U
 #define CONTROL_SEND_INTERRUPT 4U
 #define CONTROL_RECEIVE_INTERRUPT 8U
+#define CONTROL_ALWAYS (CONTROL_SEND | CONTROL_RECEIVE)
 #define INTERRUPT_SEND 1U
 #define INTERRUPT_RECEIVE 2U
 #define DIVIDER_MIN 16U
@@ -36,32 +37,43 @@ void elmopp_uart_init(elmopp_uart_t *self, uintptr_t base, uint32_t clock_hz, ui
     self->written = 0U;
     self->rests = false;
     self->overrun = 0U;
+    self->interrupts = CONTROL_RECEIVE_INTERRUPT;
     device_t *device = device_of(self);
     const uint32_t divider = clock_hz / baud;
     device->divider = (divider < DIVIDER_MIN) ? DIVIDER_MIN : divider;
-    device->control = CONTROL_SEND | CONTROL_RECEIVE | CONTROL_SEND_INTERRUPT | CONTROL_RECEIVE_INTERRUPT;
+    device->control = CONTROL_ALWAYS | self->interrupts;
 }
 
 /* --- with interrupts off, or in the handler --- */
 
+/* Interrupts only for what is wanted: the device looks at both after every character. */
+static void ask_for_interrupts(elmopp_uart_t *self) {
+    const uint32_t receive = self->rests ? 0U : CONTROL_RECEIVE_INTERRUPT;
+    const uint32_t send = (self->sent != self->written) ? CONTROL_SEND_INTERRUPT : 0U;
+    if ((receive | send) != self->interrupts) {
+        self->interrupts = receive | send;
+        device_of(self)->control = CONTROL_ALWAYS | receive | send;
+    }
+}
+
+/* The device has room for one character, and so has a call. */
 static void pull(elmopp_uart_t *self) {
     device_t *device = device_of(self);
-    if ((device->state & STATE_OVERRUN) != 0U) {
+    const uint32_t state = device->state;
+    if ((state & STATE_OVERRUN) != 0U) {
         device->state = STATE_OVERRUN;
         self->overrun++;
     }
-    while (((device->state & STATE_RECEIVED) != 0U) && ((self->received - self->read) < ELMOPP_UART_RECEIVE_SIZE)) {
+    if (((state & STATE_RECEIVED) != 0U) && ((self->received - self->read) < ELMOPP_UART_RECEIVE_SIZE)) {
         self->receive_ring[self->received % ELMOPP_UART_RECEIVE_SIZE] = (uint8_t)device->data;
         self->received++;
     }
     self->rests = (self->received - self->read) >= ELMOPP_UART_RECEIVE_SIZE;
-    const uint32_t others = CONTROL_SEND | CONTROL_RECEIVE | CONTROL_SEND_INTERRUPT;
-    device->control = others | (self->rests ? 0U : CONTROL_RECEIVE_INTERRUPT);
 }
 
 static void push(elmopp_uart_t *self) {
     device_t *device = device_of(self);
-    while (((device->state & STATE_SENDING) == 0U) && (self->sent != self->written)) {
+    while ((self->sent != self->written) && ((device->state & STATE_SENDING) == 0U)) {
         device->data = self->send_ring[self->sent % ELMOPP_UART_SEND_SIZE];
         self->sent++;
     }
@@ -71,6 +83,7 @@ void elmopp_uart_interrupt(elmopp_uart_t *self) {
     device_of(self)->interrupt = INTERRUPT_SEND | INTERRUPT_RECEIVE;
     pull(self);
     push(self);
+    ask_for_interrupts(self);
 }
 
 /* --- for the main --- */
@@ -88,7 +101,7 @@ bool elmopp_uart_read(elmopp_uart_t *self, char *character) {
     if (self->rests && ((self->received - self->read) <= (ELMOPP_UART_RECEIVE_SIZE / 2U))) {
         elmopp_interrupts_off();
         self->rests = false;
-        device_of(self)->control |= CONTROL_RECEIVE_INTERRUPT; /* before: what comes from now on interrupts */
+        ask_for_interrupts(self); /* first: what comes from now on interrupts */
         pull(self);
         elmopp_interrupts_on();
     }
@@ -105,6 +118,7 @@ bool elmopp_uart_write(elmopp_uart_t *self, const char *text, uint32_t length) {
     self->written += length;
     elmopp_interrupts_off();
     push(self);
+    ask_for_interrupts(self);
     elmopp_interrupts_on();
     return true;
 }

@@ -22,8 +22,9 @@ typedef struct {
     volatile uint32_t read;
     volatile uint32_t sent; ///< ... ever given to the device
     volatile uint32_t written;
-    volatile bool rests;       ///< the receive interrupt is off
-    volatile uint32_t overrun; ///< times that the device lost characters
+    volatile bool rests;          ///< the ring is full, nothing is received
+    volatile uint32_t interrupts; ///< those that the device has been asked for
+    volatile uint32_t overrun;    ///< times that the device lost characters
     uint8_t receive_ring[ELMOPP_UART_RECEIVE_SIZE];
     uint8_t send_ring[ELMOPP_UART_SEND_SIZE];
 } elmopp_uart_t;
