@@ -8,7 +8,7 @@
 /// is watched: should it stop, the hardware goes back to the internal oscillator by itself and raises NMI, which is a
 /// fault of the processor here; the start after that finds no crystal.
 ///
-/// Registers are those of RM0090 sections 3.9.1 (wait states), 5.4.1 (voltage scale), 7.2 and 7.3.
+/// Registers are those of RM0090 sections 3.9 (FLASH_ACR), 5.4.1 (voltage scale), 7.2 and 7.3.
 
 #ifndef ELMOPP_STM32F4_CLOCKS_H
 #define ELMOPP_STM32F4_CLOCKS_H

@@ -35,7 +35,7 @@ static void pull_up(elmopp_gpio_registers_t *gpio, uint32_t pin) {
 
 static void let_clock_to(elmopp_register_t *place, uint32_t bits) {
     elmopp_register_write(place, elmopp_register_read(place) | bits);
-    (void)elmopp_register_read(place); /* RM0090 7.2.13: the clock is there two cycles later */
+    (void)elmopp_register_read(place); /* errata ES0182: the clock is there some cycles later */
 }
 
 void elmopp_pins_start(const elmopp_pins_registers_t *registers) {

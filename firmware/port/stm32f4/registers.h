@@ -172,7 +172,7 @@ typedef struct {
     elmopp_register_t optcr;
 } elmopp_flash_registers_t;
 
-static_assert(offsetof(elmopp_flash_registers_t, optcr) == 0x14U, "RM0090 3.9.10");
+static_assert(offsetof(elmopp_flash_registers_t, optcr) == 0x14U, "RM0090 3.9, FLASH_OPTCR");
 
 #define ELMOPP_FLASH_ACR_LATENCY 7U
 #define ELMOPP_FLASH_ACR_PRFTEN ELMOPP_BIT(8U)

@@ -5,7 +5,7 @@
 ///
 /// The flags pile up until somebody clears them, and every reset also pulls the reset pin: the one that says most is
 /// named. Option bytes are read and never written: whoever builds the board sets them (docs/bench.md).
-/// Source: RM0090 sections 7.3.21 (RCC_CSR), 3.9.10 (FLASH_OPTCR).
+/// Source: RM0090 sections 7.3.21 (RCC_CSR), 3.9 (FLASH_OPTCR).
 
 #ifndef ELMOPP_STM32F4_RESET_CAUSE_H
 #define ELMOPP_STM32F4_RESET_CAUSE_H
