@@ -17,6 +17,9 @@
 extern elmopp_bxcan_t bench_can;
 extern uint32_t bench_now_ms;
 
+/// Where the driver finds the model.
+elmopp_bxcan_registers_t *bench_registers(void);
+
 /// A model after power-on, a driver that has been told to start.
 void bench_start(bool may_join);
 

@@ -32,7 +32,6 @@ typedef struct {
 } frames_t;
 
 static struct {
-    elmopp_bxcan_registers_t place; /* never read: its addresses are the registers' names */
     uint32_t mcr;
     uint32_t btr;
     uint32_t ier;
@@ -70,10 +69,6 @@ void bxcan_model_reset(void) {
     model.filter[0] = FMR_AFTER_RESET;
     model.asleep = true;
     model.sender = NOBODY;
-}
-
-elmopp_bxcan_registers_t *bxcan_model_registers(void) {
-    return &model.place;
 }
 
 void bxcan_model_break(uint32_t faults, uint32_t from_access, uint32_t until_access) {
@@ -126,7 +121,17 @@ uint32_t bxcan_model_sent(void) {
 
 elmopp_frame_t bxcan_model_sent_frame(uint32_t index) {
     TEST_ASSERT_LESS_THAN_UINT32(model.sent.count, index);
-    return model.sent.frame[index];
+    return model.sent.frame[(model.sent.first + index) % BXCAN_MODEL_LOG];
+}
+
+bool bxcan_model_take_sent(elmopp_frame_t *frame) {
+    const bool there = model.sent.count > 0U;
+    if (there) {
+        *frame = model.sent.frame[model.sent.first];
+        model.sent.first = (model.sent.first + 1U) % BXCAN_MODEL_LOG;
+        model.sent.count--;
+    }
+    return there;
 }
 
 static bool takes_part(void) {
@@ -398,14 +403,7 @@ static uint32_t read_low(uint32_t offset) {
     }
 }
 
-static uint32_t offset_of(const elmopp_register_t *place) {
-    const uintptr_t offset = (uintptr_t)place - (uintptr_t)&model.place;
-    TEST_ASSERT_TRUE_MESSAGE(offset < sizeof model.place, "a register that is none of the CAN controller's");
-    return (uint32_t)offset;
-}
-
-uint32_t elmopp_register_read(const elmopp_register_t *place) {
-    const uint32_t offset = offset_of(place);
+uint32_t bxcan_model_read(uint32_t offset) {
     model.accesses++;
     if (suffers(BXCAN_FAULT_DEAD)) {
         return 0U;
@@ -519,8 +517,7 @@ static void write_filter(uint32_t offset, uint32_t value) {
     }
 }
 
-void elmopp_register_write(elmopp_register_t *place, uint32_t value) {
-    const uint32_t offset = offset_of(place);
+void bxcan_model_write(uint32_t offset, uint32_t value) {
     model.accesses++;
     if (suffers(BXCAN_FAULT_DEAD) || suffers(BXCAN_FAULT_ONES)) {
         return;

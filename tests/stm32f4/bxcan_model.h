@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// A model of the STM32F405's CAN controller on a bus with others, behind register_access.h. Written from RM0090
+/// A model of the STM32F405's CAN controller on a bus with others. Written from RM0090
 /// chapter 32, not from the driver that it tries.
 ///
 /// Modelled: master reset, sleep and the initialisation handshake (ends with the frame on the wire; left after 11
@@ -44,8 +44,9 @@ typedef enum {
 /// Controller as after power-on, bus idle, no fault.
 void bxcan_model_reset(void);
 
-/// Where the driver finds it.
-elmopp_bxcan_registers_t *bxcan_model_registers(void);
+/// One access to the register at this offset.
+uint32_t bxcan_model_read(uint32_t offset);
+void bxcan_model_write(uint32_t offset, uint32_t value);
 
 void bxcan_model_pass_bits(uint32_t bits);
 
@@ -55,6 +56,9 @@ void bxcan_model_hear(const elmopp_frame_t *frame);
 /// What the controller has sent and others have acknowledged, in order: how many, and one of them.
 uint32_t bxcan_model_sent(void);
 elmopp_frame_t bxcan_model_sent_frame(uint32_t index);
+
+/// Takes the oldest of them out; false if there is none.
+bool bxcan_model_take_sent(elmopp_frame_t *frame);
 
 /// True if the interrupt CAN1_RX0 is asked for.
 bool bxcan_model_interrupt(void);

@@ -53,7 +53,7 @@ static void test_the_clock_may_be_off_by_half_a_percent(void) {
 static void test_it_joins_an_idle_bus_within_a_few_milliseconds(void) {
     bench_reach(ELMOPP_BXCAN_RUNNING, 5U);
     TEST_ASSERT_EQUAL_INT(ELMOPP_BXCAN_WELL, bench_can.trouble);
-    TEST_ASSERT_EQUAL_HEX32(ELMOPP_CAN_BTR, elmopp_register_read(&bxcan_model_registers()->btr));
+    TEST_ASSERT_EQUAL_HEX32(ELMOPP_CAN_BTR, elmopp_register_read(&bench_registers()->btr));
 }
 
 static void test_it_joins_a_bus_that_is_full(void) {
@@ -75,7 +75,7 @@ static void test_whoever_may_not_join_tries_the_hardware_and_stays_silent(void) 
     bench_pass_ms(3000U);
     TEST_ASSERT_EQUAL_INT(ELMOPP_BXCAN_HELD, bench_can.state);
     TEST_ASSERT_EQUAL_UINT32(0U, bxcan_model_sent());
-    TEST_ASSERT_EQUAL_HEX32(1U, elmopp_register_read(&bxcan_model_registers()->msr) & 3U); /* recessive */
+    TEST_ASSERT_EQUAL_HEX32(1U, elmopp_register_read(&bench_registers()->msr) & 3U); /* recessive */
 }
 
 /* --- sending --- */
@@ -360,8 +360,8 @@ static void expect_given_up(elmopp_bxcan_trouble_t trouble) {
     bxcan_model_break(BXCAN_FAULT_NONE, 0U, UINT32_MAX);
     bench_pass_ms(5U);
     TEST_ASSERT_EQUAL_INT(trouble, bench_can.trouble);
-    TEST_ASSERT_EQUAL_HEX32(1U, elmopp_register_read(&bxcan_model_registers()->msr) & 3U);
-    TEST_ASSERT_EQUAL_HEX32(0U, elmopp_register_read(&bxcan_model_registers()->ier));
+    TEST_ASSERT_EQUAL_HEX32(1U, elmopp_register_read(&bench_registers()->msr) & 3U);
+    TEST_ASSERT_EQUAL_HEX32(0U, elmopp_register_read(&bench_registers()->ier));
 }
 
 static void test_a_bus_that_is_stuck_from_the_start_is_given_up_and_named(void) {
