@@ -72,7 +72,7 @@ static uint32_t limit_of(elmopp_bxcan_state_t state) {
     case ELMOPP_BXCAN_RETURNING:
         return ELMOPP_BXCAN_JOIN_MS;
     case ELMOPP_BXCAN_PAUSING:
-        return ELMOPP_BXCAN_PAUSE_MS;
+        return ELMOPP_BXCAN_PAUSE_MAX_MS;
     case ELMOPP_BXCAN_OFF:
     case ELMOPP_BXCAN_HELD:
     case ELMOPP_BXCAN_RUNNING:

@@ -20,7 +20,7 @@
 #define STRIDE 1U /* from one access to the next one that is tried */
 #endif
 #define FAULT_ACCESSES 60U   /* of a fault that passes: some 20 ms */
-#define LONG_ENOUGH_MS 4000U /* for ten tries of a tenth of a second and as many pauses */
+#define LONG_ENOUGH_MS 5000U /* for ten tries of a tenth of a second, and 3 s of pauses */
 
 #define LAMP_COMMAND 0x080U
 #define FEEDBACK 0x090U

@@ -147,8 +147,16 @@ static void step_running(elmopp_bxcan_t *self, uint32_t now_ms) {
     }
 }
 
+static uint32_t pause_ms(uint32_t tries) {
+    uint32_t pause = ELMOPP_BXCAN_PAUSE_MS;
+    for (uint32_t k = 1U; (k < tries) && (pause < ELMOPP_BXCAN_PAUSE_MAX_MS); k++) {
+        pause *= 2U;
+    }
+    return (pause < ELMOPP_BXCAN_PAUSE_MAX_MS) ? pause : ELMOPP_BXCAN_PAUSE_MAX_MS;
+}
+
 static void step_pausing(elmopp_bxcan_t *self, uint32_t now_ms) {
-    if (!has_lasted(self, ELMOPP_BXCAN_PAUSE_MS, now_ms)) {
+    if (!has_lasted(self, pause_ms(self->tries), now_ms)) {
         return;
     }
     if (self->off_bus) {

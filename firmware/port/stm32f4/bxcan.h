@@ -11,10 +11,12 @@
 ///   RUNNING -> (bus-off) PAUSING -> LEAVING -> RETURNING -> RUNNING
 ///   any wait that takes too long -> PAUSING -> RESETTING, and after ELMOPP_BXCAN_TRIES of either in a row: FAILED
 ///
-/// Bus-off is left by software (CAN_MCR.ABOM stays 0): after a pause of ELMOPP_BXCAN_PAUSE_MS, with nothing left to
-/// send, it enters and leaves the initialisation mode, and the hardware counts its 128 times 11 recessive bits. Lamp
-/// nodes wait 300 ms: one bus-off does not make them flash. Whoever has run for ELMOPP_BXCAN_STEADY_MS begins to count
-/// his tries anew. FAILED is silent, on a bus that works for others, and ends by elmopp_bxcan_start() alone.
+/// Bus-off is left by software (CAN_MCR.ABOM stays 0): after a pause, with nothing left to send, it enters and leaves
+/// the initialisation mode, and the hardware counts its 128 times 11 recessive bits. The first pause is
+/// ELMOPP_BXCAN_PAUSE_MS, so that one bus-off costs one lamp command, or two, and no lamp node flashes, which takes 300
+/// ms; each further one in a row is twice as long, up to ELMOPP_BXCAN_PAUSE_MAX_MS. Whoever has run for
+/// ELMOPP_BXCAN_STEADY_MS begins to count his tries anew. FAILED is silent, on a bus that works for others, and ends by
+/// elmopp_bxcan_start() alone.
 ///
 /// It decides nothing about what a frame means. Milliseconds come from the caller and wrap. The interrupt calls
 /// elmopp_bxcan_interrupt(), the main loop everything else. Source: RM0090 sections 32.4 (modes), 32.7.6 (errors).
@@ -27,8 +29,9 @@
 
 #define ELMOPP_BXCAN_ANSWER_MS 10U ///< for a reset, and to enter the initialisation mode: a frame lasts 0.3 ms
 #define ELMOPP_BXCAN_JOIN_MS 100U  ///< to see 11 recessive bits, and 128 times 11: 35 ms on a bus that is full
-#define ELMOPP_BXCAN_PAUSE_MS 100U ///< before another try
-#define ELMOPP_BXCAN_TRIES 10U     ///< in a row
+#define ELMOPP_BXCAN_PAUSE_MS 30U  ///< before another try
+#define ELMOPP_BXCAN_PAUSE_MAX_MS 500U
+#define ELMOPP_BXCAN_TRIES 10U ///< in a row
 #define ELMOPP_BXCAN_STEADY_MS 10000U
 
 typedef enum {
