@@ -37,11 +37,13 @@ void elmopp_register_write(elmopp_register_t *of, uint32_t value) {
 }
 
 static void expect_bounded(uint32_t before, const char *what) {
-    char text[96];
     const uint32_t used = bxcan_model_accesses() - before;
-    (void)snprintf(text, sizeof text, "%s touched %u registers in state %d", what, (unsigned)used,
-                   (int)bench_can.state);
-    TEST_ASSERT_TRUE_MESSAGE(used <= BXCAN_BENCH_ACCESSES, text);
+    if (used > BXCAN_BENCH_ACCESSES) {
+        char text[96];
+        (void)snprintf(text, sizeof text, "%s touched %u registers in state %d", what, (unsigned)used,
+                       (int)bench_can.state);
+        TEST_FAIL_MESSAGE(text);
+    }
 }
 
 void bench_start(bool may_join) {
@@ -91,8 +93,9 @@ static void step(void) {
 
 void bench_pass_ms(uint32_t duration_ms) {
     for (uint32_t t = 0U; t < duration_ms; t++) {
-        for (uint32_t k = 0U; k < SLICES; k++) {
-            bxcan_model_pass_bits(BXCAN_MODEL_BITS_OF_MS / SLICES);
+        const uint32_t slices = (bench_can.state == ELMOPP_BXCAN_RUNNING) ? SLICES : 1U; /* else it hears nothing */
+        for (uint32_t k = 0U; k < slices; k++) {
+            bxcan_model_pass_bits(BXCAN_MODEL_BITS_OF_MS / slices);
             interrupts();
         }
         bench_now_ms++;
