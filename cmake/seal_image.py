@@ -4,8 +4,8 @@
 
 """seal_image.py IMAGE: writes the checksum of a board's program into its section .seal (firmware/port/cortex_m/seal.h).
 
-IMAGE is a 32-bit little-endian ELF file. Summed up is what lies in flash from the symbol elmopp_image_start to the seal,
-by the addresses that it is loaded to. Standard library only.
+IMAGE is a 32-bit little-endian ELF file. Summed up is what lies in flash before the seal, by the addresses
+that it is loaded to. Standard library only.
 """
 
 import struct
@@ -19,7 +19,7 @@ SECTION_HEADER = struct.Struct("<IIIIIIIIII")
 LOADED = 1
 
 
-class NotAnImage(Exception):
+class ImageError(Exception):
     """The text says what is wrong."""
 
 
@@ -27,13 +27,13 @@ def seal(elf: bytearray) -> int:
     """Seals the image in place; returns the sum."""
     header = ELF_HEADER.unpack_from(elf)
     if header[0][:6] != b"\x7fELF\x01\x01":
-        raise NotAnImage("no 32-bit little-endian ELF file")
+        raise ImageError("no 32-bit little-endian ELF file")
     at = seal_in_file(elf, header)
     segments = [PROGRAM_HEADER.unpack_from(elf, header[5] + k * header[9]) for k in range(header[10])]
     pieces = sorted((paddr, offset, size) for kind, offset, _, paddr, size, *_ in segments if kind == LOADED and size)
     end = next((paddr + at - offset for paddr, offset, size in pieces if offset <= at < offset + size), None)
     if end is None:
-        raise NotAnImage("its section .seal is not loaded")
+        raise ImageError("its section .seal is not loaded")
     begin = pieces[0][0]
     flash = bytearray(end - begin)
     for paddr, offset, size in pieces:
@@ -53,7 +53,7 @@ def seal_in_file(elf: bytearray, header: tuple[object, ...]) -> int:
     for name, _, _, _, offset, *_ in sections:
         if bytes(elf[strings + name : strings + name + 6]) == b".seal\0":
             return int(offset)
-    raise NotAnImage("it has no section .seal")
+    raise ImageError("it has no section .seal")
 
 
 def main() -> int:
@@ -66,7 +66,7 @@ def main() -> int:
         elf = bytearray(path.read_bytes())
         seal(elf)
         path.write_bytes(elf)
-    except (OSError, NotAnImage, struct.error) as error:
+    except (OSError, ImageError, struct.error) as error:
         print(f"seal_image.py: {path}: {error}", file=sys.stderr)
         return 2
     return 0

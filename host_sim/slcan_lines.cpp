@@ -4,6 +4,7 @@
 #include "slcan_lines.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace elmopp {
 namespace {
@@ -22,18 +23,26 @@ bool is_other(const std::string &line) {
     return letters.find(line[0]) != std::string::npos && std::all_of(line.begin() + 1, line.end(), plain);
 }
 
+/// What a line says; nothing if it is none.
+std::optional<SlcanEvent> event_of(const std::string &line) {
+    elmopp_frame_t frame{};
+    if (is_acknowledgement(line)) {
+        return SlcanAnswer{true};
+    }
+    if (elmopp_slcan_read(line.data(), static_cast<std::uint32_t>(line.size()), &frame)) {
+        return frame;
+    }
+    if (is_other(line)) {
+        return SlcanOther{line};
+    }
+    return std::nullopt;
+}
+
 } // namespace
 
 void SlcanLines::end_line(std::deque<SlcanEvent> &events) {
-    elmopp_frame_t frame{};
-    if (overlong_) {
-        ++rubbish_;
-    } else if (is_acknowledgement(line_)) {
-        events.emplace_back(SlcanAnswer{true});
-    } else if (elmopp_slcan_read(line_.data(), static_cast<std::uint32_t>(line_.size()), &frame)) {
-        events.emplace_back(frame);
-    } else if (is_other(line_)) {
-        events.emplace_back(SlcanOther{line_});
+    if (const auto event = overlong_ ? std::nullopt : event_of(line_)) {
+        events.push_back(*event);
     } else {
         ++rubbish_;
     }

@@ -125,6 +125,9 @@ class Board {
         far_ = ends[0];
         near_ = ends[1];
         elmopp_slcan_init(&adaptor_);
+        if (manner_ == Manner::gone) {
+            (void)shutdown(near_, SHUT_RDWR);
+        }
         thread_ = std::thread([this] { run(); });
     }
     ~Board() {
@@ -152,9 +155,6 @@ class Board {
 
   private:
     void run() {
-        if (manner_ == Manner::gone) {
-            (void)shutdown(near_, SHUT_RDWR);
-        }
         while (!stop_) {
             pollfd source{near_, POLLIN, 0};
             (void)poll(&source, 1, 10);

@@ -25,7 +25,8 @@
 #define INTERRUPTS 32U
 #define CHARACTERS_MAX 512U /* of one call */
 
-/* The watchdog resets the second time that it runs out (Arm DDI 0479D, 4.5). Lamp nodes flash long before. */
+/* The first time that the watchdog runs out it is a non-maskable interrupt, which ends the run as a fault does; the
+   second time it resets (Arm DDI 0479D, 4.5). Lamp nodes flash long before. */
 #define WATCHDOG_LOAD (*(volatile uint32_t *)0x40008000U)
 #define WATCHDOG_CONTROL (*(volatile uint32_t *)0x40008008U)
 #define WATCHDOG_CLEAR (*(volatile uint32_t *)0x4000800CU)

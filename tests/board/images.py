@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""Site images for the emulated board, made by tools/site from sites/ with another chooser and a quick start-up."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from emulator import ROOT
+
+
+def tool(name: str, *words: str) -> None:
+    """Runs a program of tools/."""
+    done = subprocess.run(
+        [sys.executable, f"tools/{name}", *words], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def site_image(folder: Path, chooser: str, name: str = "four_way") -> Path:
+    """A site with this chooser, and short times of the start-up."""
+    rule, _, forecast = chooser.partition(":")
+    text = (ROOT / "sites" / f"{name}.toml").read_text(encoding="utf-8")
+    text = re.sub(r"^chooser = .*$", f'chooser = "{rule}"', text, flags=re.MULTILINE)
+    quick = f'forecast = "{forecast or "none"}"\nstart_flash_s = 1\nstart_red_s = 1'
+    text = re.sub(r"^forecast = .*$", quick, text, flags=re.MULTILINE)
+    toml = folder / "site.toml"
+    toml.write_text(text, encoding="utf-8")
+    tool("site", str(toml), "--image", str(folder / "site.bin"))
+    return folder / "site.bin"
+
+
+def with_flipped_bit(image: Path, at: int) -> Path:
+    """A copy of a file in which one bit is another."""
+    data = bytearray(image.read_bytes())
+    data[at] ^= 0x10
+    copy = image.with_name(f"flipped-{at}-{image.name}")
+    copy.write_bytes(data)
+    return copy
