@@ -39,8 +39,8 @@ bool elmopp_port_send(const elmopp_frame_t *frame);
 /// Waits, saving power. Returns at this time, when something has come, or sooner.
 void elmopp_port_sleep_until(elmopp_ms_t until_ms);
 
-/// A lamp tick is complete, or one that somebody else's clock decides is waited for. A board that is not told so for its
-/// watchdog's time starts anew.
+/// A lamp tick is complete, or one that somebody else's clock decides is waited for. A board that is not told so for
+/// its watchdog's time starts anew.
 void elmopp_port_kick_watchdog(void);
 
 /// The local reset input, a key switch: held or not.
