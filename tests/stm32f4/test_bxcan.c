@@ -3,6 +3,7 @@
 
 /// The CAN driver at a model of its hardware, when all is well and when the bus is not.
 
+#include "assert_catcher.h"
 #include "bit_timing.h"
 #include "bxcan_bench.h"
 #include "unity.h"
@@ -208,6 +209,27 @@ static void test_a_foreign_id_is_not_let_through(void) {
     bxcan_model_hear(&foreign);
     bench_pass_ms(5U);
     TEST_ASSERT_EQUAL_UINT32(0U, bench_drain());
+}
+
+static void test_a_bank_of_filters_that_is_not_full_lets_nothing_else_through(void) {
+    bench_reach(ELMOPP_BXCAN_RUNNING, 5U); /* six ids: two places of a bank are left */
+    const uint16_t others[] = {0x000U, 0x081U, 0x082U, 0x0FFU, 0x201U, 0x7E0U, 0x7FFU};
+    for (uint32_t k = 0U; k < (sizeof others / sizeof others[0]); k++) {
+        const elmopp_frame_t frame = bench_frame(others[k], 0U);
+        bxcan_model_hear(&frame);
+    }
+    bench_pass_ms(10U);
+    TEST_ASSERT_EQUAL_UINT32(0U, bench_drain());
+}
+
+static void test_more_ids_than_there_are_places_for_is_a_bug(void) {
+    static uint16_t many[ELMOPP_BXCAN_IDS_MAX + 1U];
+    elmopp_bxcan_fifo_t *fifo = &bench_can.fifo;
+    bench_start(false);
+    bench_reach(ELMOPP_BXCAN_HELD, 5U);
+    elmopp_bxcan_fifo_filter(fifo, many, ELMOPP_BXCAN_IDS_MAX);
+    TEST_EXPECT_ASSERT(elmopp_bxcan_fifo_filter(fifo, many, ELMOPP_BXCAN_IDS_MAX + 1U));
+    TEST_EXPECT_ASSERT(elmopp_bxcan_fifo_filter(fifo, many, 0U));
 }
 
 static void test_a_length_above_eight_is_eight(void) {
@@ -448,6 +470,8 @@ int main(void) {
     RUN_TEST(test_a_full_queue_refuses_and_counts);
     RUN_TEST(test_frames_come_in_order_with_all_their_bytes);
     RUN_TEST(test_a_foreign_id_is_not_let_through);
+    RUN_TEST(test_a_bank_of_filters_that_is_not_full_lets_nothing_else_through);
+    RUN_TEST(test_more_ids_than_there_are_places_for_is_a_bug);
     RUN_TEST(test_a_length_above_eight_is_eight);
     RUN_TEST(test_three_frames_wait_in_the_hardware_and_a_fourth_is_counted_as_lost);
     RUN_TEST(test_a_flood_fills_the_ring_masks_the_interrupt_and_is_over_when_the_ring_is_empty);

@@ -191,6 +191,28 @@ def test_a_stored_site_with_a_flipped_bit_is_refused_and_named(boards: list[Boar
     assert board.after("fail-safe, the lamps flash; fault:") == "site data changed"
 
 
+def words(image: Path, address: int, count: int) -> tuple[int, ...]:
+    elf = image.read_bytes()
+    return struct.unpack_from(f"<{count}I", elf, offset_of(elf, address))
+
+
+def test_every_exception_leads_where_it_must() -> None:
+    known = symbols(IMAGE)
+    stack, reset, *exceptions = words(IMAGE, 0x08000000, 16)
+    assert 0x20000000 < stack <= 0x20020000
+    assert reset == known["elmopp_reset_handler"] | 1
+    assert set(exceptions[:13]) == {known["fault"] | 1}  # NMI, which tells that the crystal has stopped, among them
+    assert exceptions[13] == known["elmopp_systick_handler"] | 1
+    devices = list(words(IMAGE, 0x08000040, 82))
+    assert devices.pop(20) == known["can_handler"] | 1  # CAN1_RX0
+    assert set(devices) == {known["elmopp_unexpected_handler"] | 1}
+
+
+def test_the_image_has_no_heap_no_output_and_no_double_precision() -> None:
+    unwanted = re.compile(r"malloc|_sbrk|printf|^exp$|^tanh|^__aeabi_d|^__aeabi_f2d")
+    assert not [name for name in symbols(IMAGE) if unwanted.search(name)]
+
+
 def test_nothing_in_the_image_knows_simulated_time() -> None:
     told = re.compile(r"bus_clock|sim_time|decision_trace")
     assert [name for name in symbols(OTHER_IMAGE) if told.search(name)], "what is looked for is not in the other one"
