@@ -86,20 +86,26 @@ class Frame:
 
 
 class Emulator:
-    """QEMU with the image, or another one; images in its slots; a socket to each of its serial lines."""
+    """QEMU with the image, or another one; images in its slots; a socket to each of its serial lines, or a terminal."""
 
-    def __init__(self, *, image: Path = IMAGE, site: Path | None = None, weights: Path | None = None) -> None:
+    def __init__(
+        self, *, image: Path = IMAGE, site: Path | None = None, weights: Path | None = None, terminal: bool = False
+    ) -> None:
         self.folder = tempfile.TemporaryDirectory(prefix="elmopp-")  # short: a socket's path may have 107 characters
         self.bus, self.people_line, self.control = (Path(self.folder.name) / name for name in ("bus", "people", "qmp"))
         words = ["qemu-system-arm", "-M", "mps2-an386", "-icount", "shift=6", "-nodefaults", "-display", "none"]
         words += ["-monitor", "none", "-nic", "user,restrict=on,ipv6=off", "-audiodev", "none,id=none"]
         for name, path in (("bus", self.bus), ("people", self.people_line)):
-            words += ["-chardev", f"socket,id={name},path={path},server=on,wait=off", "-serial", f"chardev:{name}"]
+            socket_of = f"socket,id={name},path={path},server=on,wait=off"
+            words += ["-chardev", f"pty,id={name}" if terminal and name == "bus" else socket_of]
+            words += ["-serial", f"chardev:{name}"]
         words += ["-qmp", f"unix:{self.control},server=on,wait=off", "-S", "-kernel", str(image)]
         for slot, file in ((SITE_SLOT, site), (WEIGHTS_SLOT, weights)):
             if file is not None:
                 words += ["-device", f"loader,file={file},addr={slot:#x},force-raw=on"]
-        self.process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen(
+            words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
         self.people = self.connect(self.people_line)
         self.qmp = self.connect(self.control)
         self.qmp_lines = self.qmp.makefile("rb")
@@ -129,6 +135,13 @@ class Emulator:
             if "event" not in answer:
                 assert "return" in answer, answer
                 return answer["return"]
+
+    def link(self) -> str:
+        """The first serial line as host_sim calls it."""
+        lines = self.ask("query-chardev")
+        assert isinstance(lines, list)
+        name = next(line["filename"] for line in lines if line["label"] == "bus")
+        return f"slcan:tty:{name[4:]}" if name.startswith("pty:") else f"slcan:unix:{self.bus}"
 
     def reset(self) -> None:
         """Pulls the plug and puts it in again."""

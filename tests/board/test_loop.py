@@ -35,12 +35,11 @@ def run(site: Path, *words: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def compare_logs(folder: Path, site: Path) -> None:
+def compare_logs(folder: Path, site: Path, *, terminal: bool = False) -> None:
     inproc, wire = folder / "inproc.jsonl", folder / "wire.jsonl"
     run(site, "--link", "inproc", "--log", str(inproc), "--summary", str(folder / "inproc.json"))
-    with Emulator(site=site) as board:
-        link = f"slcan:unix:{board.bus}"
-        run(site, "--link", link, "--log", str(wire), "--summary", str(folder / "wire.json"))
+    with Emulator(site=site, terminal=terminal) as board:
+        run(site, "--link", board.link(), "--log", str(wire), "--summary", str(folder / "wire.json"))
     assert len(inproc.read_bytes().splitlines()) == SECONDS
     assert wire.read_bytes() == inproc.read_bytes()
     assert (folder / "wire.json").read_bytes() == (folder / "inproc.json").read_bytes()
@@ -61,3 +60,8 @@ def test_so_it_is_with_every_forecast(tmp_path: Path, chooser: str) -> None:
 @pytest.mark.parametrize("name", ["one_way", "three_way", "five_way"])
 def test_so_it_is_at_every_other_street(tmp_path: Path, name: str) -> None:
     compare_logs(tmp_path, site_image(tmp_path, "cumulative:ar8", name))
+
+
+@pytest.mark.others
+def test_so_it_is_through_a_terminal(tmp_path: Path) -> None:
+    compare_logs(tmp_path, site_image(tmp_path, "naive"), terminal=True)

@@ -20,8 +20,8 @@
 #define BAUD                                                                                                           \
     1000000U /* 45,000 characters a second would do for what a bus of 500 kbit/s carries; QEMU does not care           \
               */
-#define BUS_UART 0x40004000U
-#define PEOPLE_UART 0x40005000U
+#define BUS_UART ((void *)0x40004000U)
+#define PEOPLE_UART ((void *)0x40005000U)
 #define INTERRUPTS 32U
 #define CHARACTERS_MAX 512U /* of one call */
 

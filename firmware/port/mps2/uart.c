@@ -26,11 +26,11 @@ typedef struct {
 } device_t;
 
 static device_t *device_of(const elmopp_uart_t *self) {
-    return (device_t *)self->base;
+    return self->registers;
 }
 
-void elmopp_uart_init(elmopp_uart_t *self, uintptr_t base, uint32_t clock_hz, uint32_t baud) {
-    self->base = base;
+void elmopp_uart_init(elmopp_uart_t *self, void *registers, uint32_t clock_hz, uint32_t baud) {
+    self->registers = registers;
     self->received = 0U;
     self->read = 0U;
     self->sent = 0U;

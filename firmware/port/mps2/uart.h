@@ -17,7 +17,7 @@
 #define ELMOPP_UART_SEND_SIZE 8192U    ///< a decision in full is 90 lines of 22
 
 typedef struct {
-    uintptr_t base;
+    void *registers;
     volatile uint32_t received; ///< characters ever put into the ring; wraps, as do all four
     volatile uint32_t read;
     volatile uint32_t sent; ///< ... ever given to the device
@@ -29,8 +29,8 @@ typedef struct {
     uint8_t send_ring[ELMOPP_UART_SEND_SIZE];
 } elmopp_uart_t;
 
-/// Starts the device at this address. Its interrupts are enabled by the caller.
-void elmopp_uart_init(elmopp_uart_t *self, uintptr_t base, uint32_t clock_hz, uint32_t baud);
+/// Starts the device whose registers begin here. Its interrupts are enabled by the caller.
+void elmopp_uart_init(elmopp_uart_t *self, void *registers, uint32_t clock_hz, uint32_t baud);
 
 /// The next character. False if there is none.
 bool elmopp_uart_read(elmopp_uart_t *self, char *character);
