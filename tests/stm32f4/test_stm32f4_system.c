@@ -37,6 +37,8 @@ static elmopp_lamp_node_t node;
 static uint32_t frames_heard;
 static struct elmopp_can_controller_status_t status; /* the last on the bus */
 static uint8_t command_counter;
+static uint8_t camera_counter[ELMOPP_APPROACH_MAX];
+static bool cameras_play;
 
 /* The board. */
 static jmp_buf end;
@@ -62,6 +64,8 @@ void setUp(void) {
     frames_heard = 0U;
     memset(&status, 0, sizeof status);
     command_counter = 0U;
+    memset(camera_counter, 0, sizeof camera_counter);
+    cameras_play = false;
     ms = 0U;
     event = NULL;
     crystal = true;
@@ -159,6 +163,19 @@ static void street_listens(void) {
     }
 }
 
+/* Somebody waits everywhere, and some more come. */
+static void cameras_see(void) {
+    const uint8_t arrivals = (uint8_t)((ms / 3000U) % ELMOPP_DETECTOR_MODULO);
+    const elmopp_detector_report_t lane = {
+        .present_veh = (uint16_t)(1U + (arrivals % 5U)), .arrivals = arrivals, .valid = true};
+    const elmopp_detector_report_t report[ELMOPP_APPROACH_MOVEMENT_MAX] = {lane, lane, lane};
+    for (uint32_t i = 0U; i < elmopp_board_site->approach_count; i++) {
+        elmopp_frame_t frame = elmopp_frames_make_counts(i, report, 0U);
+        elmopp_link_seal(&frame, &camera_counter[i]);
+        bxcan_model_hear(&frame);
+    }
+}
+
 /* One millisecond. */
 void pretended_wait(void) {
     for (uint32_t k = 0U; k < SLICES; k++) {
@@ -167,6 +184,9 @@ void pretended_wait(void) {
     }
     ms++;
     street_listens();
+    if (cameras_play && ((ms % 1000U) == 500U)) {
+        cameras_see();
+    }
     if (event != NULL) {
         event(ms);
     }
@@ -223,6 +243,8 @@ static void run_ms(uint32_t duration_ms) {
         elmopp_board_run(true);
     }
     TEST_ASSERT_EQUAL_INT(ENDED, how);
+    TEST_ASSERT_TRUE((ms - kicked_ms) < LONGEST_WATCHDOG_MS);
+    TEST_ASSERT_TRUE(longest_kick_ms < LONGEST_WATCHDOG_MS);
 }
 
 static void expect_said(const char *line) {
@@ -246,8 +268,37 @@ static void test_with_crystal_and_can_it_brings_a_junction_up(void) {
     TEST_ASSERT_EQUAL_UINT32(0U, status.refused);
     TEST_ASSERT_EQUAL_UINT32(ELMOPP_CAN1_RX0_INTERRUPT, enabled_interrupt);
     TEST_ASSERT_EQUAL_UINT32(0U, bxcan_model_violations());
-    TEST_ASSERT_TRUE(longest_kick_ms < LONGEST_WATCHDOG_MS);
     TEST_ASSERT_TRUE(can.mailboxes.unsent <= ELMOPP_FRAMES_PER_TICK); /* those of the first tick: not yet on the bus */
+}
+
+static void test_with_cameras_it_runs_by_what_they_count(void) {
+    cameras_play = true;
+    run_ms(90000U);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_MODE_AUTOMATIC, status.mode);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_NONE, status.first_fault);
+    TEST_ASSERT_EQUAL_UINT32(0U, status.refused);
+}
+
+static uint32_t let_through;
+
+/* Every id of eleven bits, one after the other. */
+static void all_ids(uint32_t now_ms) {
+    static uint32_t before;
+    if (now_ms == 1000U) {
+        before = atomic_load(&can.fifo.put);
+    }
+    if ((now_ms >= 1000U) && (now_ms < 3048U)) {
+        const elmopp_frame_t frame = {.id = (uint16_t)(now_ms - 1000U), .length = 0U};
+        bxcan_model_hear(&frame);
+    }
+    let_through = atomic_load(&can.fifo.put) - before;
+}
+
+static void test_what_controllers_listen_to_is_let_through_and_simulated_time_is_not(void) {
+    event = all_ids;
+    run_ms(3060U);
+    const uint32_t feedback = 20U + 1U; /* of the lamp node, meanwhile */
+    TEST_ASSERT_EQUAL_UINT32(4U + ELMOPP_NODE_MAX + ELMOPP_APPROACH_MAX + feedback, let_through);
 }
 
 static void one_bus_off(uint32_t now_ms) {
@@ -400,6 +451,8 @@ static void test_a_run_that_ends_by_a_fault_is_off_the_bus_at_once(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_with_crystal_and_can_it_brings_a_junction_up);
+    RUN_TEST(test_with_cameras_it_runs_by_what_they_count);
+    RUN_TEST(test_what_controllers_listen_to_is_let_through_and_simulated_time_is_not);
     RUN_TEST(test_one_bus_off_stops_no_junction);
     RUN_TEST(test_a_bus_that_destroys_everything_makes_lamps_flash_until_the_key_is_turned_and_the_fault_cleared);
     RUN_TEST(test_without_its_crystal_it_never_says_a_word_on_the_bus_and_the_lamps_flash);
