@@ -4,7 +4,7 @@
 /// SLCAN wire: an adaptor on a descriptor, from the program's side.
 ///
 /// Every frame that is sent is answered by the adaptor. At most slcan_window of them are under way, so that an adaptor
-/// with little room loses nothing; an adaptor that does not answer for a second is taken for one that never does.
+/// with little room loses nothing; send_surely() takes one that has not answered for a second for one that never does.
 
 #pragma once
 

@@ -302,7 +302,9 @@ def mypy_step() -> Step:
     """Programs are checked one by one, because each of them is the module __main__."""
     mypy = [tool("mypy"), "--no-error-summary"]
     tests = sorted(str(f.relative_to(ROOT)) for f in (ROOT / "tests").rglob("*.py"))
-    return commands("mypy", [*mypy, "tools/elmopp_tools", "cmake/seal_image.py", *tests], *([*mypy, f] for f in python_programs()))
+    return commands(
+        "mypy", [*mypy, "tools/elmopp_tools", "cmake/seal_image.py", *tests], *([*mypy, f] for f in python_programs())
+    )
 
 
 def lint_steps(nightly: bool) -> list[Step]:

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// The boards' main on a port that is made up: a bus on which there is always one more frame, each of which costs time.
+/// The boards' main on a port that is made up: a bus on which there is always one more frame, each of which costs time;
+/// memory that is broken.
 
 #include "board.h"
 #include "note.h"
@@ -25,6 +26,7 @@ static uint32_t commands;
 static uint32_t command_ms[COMMANDS];
 static uint32_t frames;
 static bool flooded;
+static uint32_t told_fault;
 
 const elmopp_junction_t *const elmopp_board_site = &elmopp_site_four_way;
 
@@ -32,6 +34,7 @@ void setUp(void) {
     now_us = 0U;
     commands = 0U;
     frames = 0U;
+    told_fault = 0U;
 }
 void tearDown(void) {}
 
@@ -63,6 +66,11 @@ bool elmopp_port_send(const elmopp_frame_t *frame) {
     if (frame->id == (uint16_t)ELMOPP_CAN_LAMP_COMMAND_FRAME_ID) {
         command_ms[commands] = elmopp_port_now_ms();
         commands++;
+    }
+    if (frame->id == (uint16_t)ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID) {
+        struct elmopp_can_controller_status_t status;
+        TEST_ASSERT_EQUAL_INT(0, elmopp_can_controller_status_unpack(&status, frame->data, frame->length));
+        told_fault = status.first_fault;
     }
     if (commands == COMMANDS) {
         longjmp(enough, 1);
@@ -107,16 +115,17 @@ bool elmopp_note_take(void) {
 /* --- the tests --- */
 
 /* Until there have been enough LampCommands. */
-static void run(bool in_a_flood) {
+static void run(bool in_a_flood, bool memory_is_good) {
     flooded = in_a_flood;
     if (setjmp(enough) == 0) {
-        elmopp_board_run(true);
+        elmopp_board_run(memory_is_good);
     }
     TEST_ASSERT_EQUAL_UINT32(COMMANDS, commands);
 }
 
 static void test_without_frames_ticks_are_on_the_grid(void) {
-    run(false);
+    run(false, true);
+    TEST_ASSERT_EQUAL_UINT32(ELMOPP_FAULT_NONE, told_fault);
     for (uint32_t k = 0U; k < COMMANDS; k++) {
         TEST_ASSERT_EQUAL_UINT32(k * 100U, command_ms[k]);
     }
@@ -124,7 +133,7 @@ static void test_without_frames_ticks_are_on_the_grid(void) {
 
 static void test_in_a_flood_ticks_are_as_late_as_its_share_and_none_is_missed(void) {
     const uint32_t share_ms = ((ELMOPP_BOARD_FRAMES_MAX * US_PER_FRAME) / US_PER_MS) + 1U;
-    run(true);
+    run(true, true);
     for (uint32_t k = 1U; k < COMMANDS; k++) { /* the grid begins somewhat before the first */
         TEST_ASSERT_TRUE(command_ms[k] >= (k * 100U));
         TEST_ASSERT_TRUE(command_ms[k] <= ((k * 100U) + share_ms));
@@ -132,8 +141,14 @@ static void test_in_a_flood_ticks_are_as_late_as_its_share_and_none_is_missed(vo
     TEST_ASSERT_TRUE(frames > (COMMANDS * ELMOPP_BOARD_FRAMES_MAX)); /* all of the time that is left is the flood's */
 }
 
+static void test_memory_that_is_broken_is_told(void) {
+    run(false, false);
+    TEST_ASSERT_EQUAL_UINT32(ELMOPP_FAULT_MEMORY, told_fault);
+}
+
 int main(void) {
     UNITY_BEGIN();
+    RUN_TEST(test_memory_that_is_broken_is_told);
     RUN_TEST(test_without_frames_ticks_are_on_the_grid);
     RUN_TEST(test_in_a_flood_ticks_are_as_late_as_its_share_and_none_is_missed);
     return UNITY_END();
