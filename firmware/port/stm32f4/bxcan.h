@@ -53,7 +53,7 @@ typedef enum {
     ELMOPP_BXCAN_NO_RESET,   ///< the reset did not end
     ELMOPP_BXCAN_NO_INIT,    ///< the initialisation mode was not acknowledged: no such hardware, or no clock
     ELMOPP_BXCAN_NO_TIMING,  ///< the bit timing does not read back
-    ELMOPP_BXCAN_NO_JOIN,    ///< no 11 recessive bits: the bus is stuck, or its transceiver has no supply
+    ELMOPP_BXCAN_NO_JOIN,    ///< no 11 recessive bits: somebody holds the bus, or RXD is stuck low
     ELMOPP_BXCAN_BUS_OFF,    ///< too many of its frames were destroyed
     ELMOPP_BXCAN_NO_RETURN,  ///< no 128 times 11 recessive bits
     ELMOPP_BXCAN_NO_MAILBOX, ///< a mailbox did not empty when it was to be taken back
