@@ -39,11 +39,16 @@ bool elmopp_port_send(const elmopp_frame_t *frame);
 /// Waits, saving power. Returns at this time, when something has come, or sooner.
 void elmopp_port_sleep_until(elmopp_ms_t until_ms);
 
-/// Alive. A board that is not told so for its watchdog's time starts anew.
+/// A lamp tick is complete, or one that somebody else's clock decides is waited for. A board that is not told so for
+/// its watchdog's time starts anew.
 void elmopp_port_kick_watchdog(void);
 
 /// The local reset input, a key switch: held or not.
 bool elmopp_port_reset_is_held(void);
+
+/// What is wrong with the board now, asked in every tick: ELMOPP_FAULT_OSCILLATOR, ELMOPP_FAULT_CAN_CONTROLLER,
+/// ELMOPP_FAULT_BROWN_OUT, or ELMOPP_FAULT_NONE. No command clears what is still there.
+elmopp_fault_t elmopp_port_fault(void);
 
 /// Where images may be stored.
 elmopp_port_slot_t elmopp_port_site_slot(void);

@@ -29,6 +29,9 @@ const char *elmopp_fault_name(elmopp_fault_t fault) {
         [ELMOPP_FAULT_SECOND_CONTROLLER] = "second controller",
         [ELMOPP_FAULT_MEMORY] = "memory test",
         [ELMOPP_FAULT_PROCESSOR] = "processor",
+        [ELMOPP_FAULT_OSCILLATOR] = "oscillator",
+        [ELMOPP_FAULT_CAN_CONTROLLER] = "CAN controller",
+        [ELMOPP_FAULT_BROWN_OUT] = "brown-out reset",
     };
     const uint32_t number = (uint32_t)fault;
     const char *name = (number < (uint32_t)ELMOPP_FAULT_COUNT) ? names[number] : NULL;

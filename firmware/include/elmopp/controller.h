@@ -125,7 +125,7 @@ typedef struct {
 /// nodes flash by themselves.
 void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_config_t *config);
 
-/// The port's own findings: ELMOPP_FAULT_MEMORY, ELMOPP_FAULT_PROCESSOR.
+/// The port's own findings: ELMOPP_FAULT_MEMORY to ELMOPP_FAULT_BROWN_OUT.
 void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault);
 
 /// The port has received so much that was no frame, or had no room for it: counted with the frames that are refused.

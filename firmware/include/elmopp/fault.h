@@ -35,8 +35,11 @@ typedef enum {
     ELMOPP_FAULT_CLOCK = 20,             ///< a lamp tick came too late, or the clock jumped
     ELMOPP_FAULT_SECOND_CONTROLLER = 21, ///< somebody else commands lamps on this bus
     /* found by the port */
-    ELMOPP_FAULT_MEMORY = 24,    ///< the memory test at the start
-    ELMOPP_FAULT_PROCESSOR = 25, ///< a fault handler or an assert ended the last run
+    ELMOPP_FAULT_MEMORY = 24,         ///< the memory test at the start
+    ELMOPP_FAULT_PROCESSOR = 25,      ///< a fault handler, an assert or the watchdog ended the last run
+    ELMOPP_FAULT_OSCILLATOR = 26,     ///< the board runs without its crystal: no clock that CAN could use
+    ELMOPP_FAULT_CAN_CONTROLLER = 27, ///< the CAN controller does not answer, or has been given up
+    ELMOPP_FAULT_BROWN_OUT = 28,      ///< the board is not set to stop when its supply is too low
     ELMOPP_FAULT_COUNT = 32
 } elmopp_fault_t;
 

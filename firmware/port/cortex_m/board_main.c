@@ -126,15 +126,41 @@ static void take_frames(elmopp_controller_t *controller) {
     }
 }
 
-static void tick(elmopp_controller_t *controller, elmopp_ms_t now_ms, bool memory_is_broken) {
-    elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK];
+/* What is still there is told again in every tick: no command clears it. */
+static void report(elmopp_controller_t *controller, bool memory_is_broken) {
+    const elmopp_fault_t found = elmopp_port_fault();
     if (memory_is_broken) {
         elmopp_controller_report(controller, ELMOPP_FAULT_MEMORY);
     }
+    if (found != ELMOPP_FAULT_NONE) {
+        elmopp_controller_report(controller, found);
+    }
+}
+
+/* For people at the board, to whom a bus that is dead tells nothing. */
+static void tell(const elmopp_controller_t *controller, elmopp_mode_t before) {
+    const bool is_safe = controller->mode == ELMOPP_MODE_FAIL_SAFE;
+    const bool was_safe = before == ELMOPP_MODE_FAIL_SAFE;
+    if (is_safe && (!was_safe)) {
+        elmopp_port_say("fail-safe, the lamps flash; fault:");
+        elmopp_port_say(elmopp_fault_name(controller->fault));
+    } else if (was_safe && (!is_safe)) {
+        elmopp_port_say("the fault has been cleared");
+    } else {
+        /* no news */
+    }
+}
+
+static void tick(elmopp_controller_t *controller, elmopp_ms_t now_ms, bool memory_is_broken) {
+    elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK];
+    const elmopp_mode_t before = controller->mode;
+    report(controller, memory_is_broken);
     elmopp_controller_refuse(controller, elmopp_port_dropped());
     elmopp_controller_hold_reset(controller, elmopp_port_reset_is_held());
     const uint32_t count = elmopp_controller_tick(controller, now_ms, out);
     elmopp_pace_send(controller, out, count);
+    tell(controller, before);
+    elmopp_port_kick_watchdog();
 }
 
 void elmopp_board_run(bool memory_is_good) {
@@ -158,6 +184,5 @@ void elmopp_board_run(bool memory_is_good) {
         } else {
             elmopp_pace_wait();
         }
-        elmopp_port_kick_watchdog();
     }
 }

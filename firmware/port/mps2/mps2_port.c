@@ -144,6 +144,10 @@ bool elmopp_port_reset_is_held(void) {
     return reset_held;
 }
 
+elmopp_fault_t elmopp_port_fault(void) {
+    return ELMOPP_FAULT_NONE;
+}
+
 elmopp_port_slot_t elmopp_port_site_slot(void) {
     return (elmopp_port_slot_t){elmopp_site_slot, (uint32_t)(elmopp_site_slot_end - elmopp_site_slot)};
 }

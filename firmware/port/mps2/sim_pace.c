@@ -99,5 +99,8 @@ void elmopp_pace_send(const elmopp_controller_t *controller, const elmopp_frame_
 }
 
 void elmopp_pace_wait(void) {
+    if (simulated) {
+        elmopp_port_kick_watchdog(); /* a simulator may take its time */
+    }
     elmopp_port_sleep_until(simulated ? (elmopp_port_now_ms() + LOOK_MS) : grid.next_ms);
 }
