@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
-"""The LSTM gives the same bits from every compiler, level of optimisation and processor.
+"""The networks give the same bits from every compiler, level of optimisation and processor.
 
 tests/golden/lstm_digest.txt is what tests/lstm_digest.c prints in any of these builds. It changes only when the
 arithmetic is meant to change, and then with the weights that were trained on it.
@@ -17,7 +17,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 BOARD = ROOT / "tests" / "board"
 GOLDEN = ROOT / "tests" / "golden" / "lstm_digest.txt"
-SOURCES = ("tests/lstm_digest.c", "firmware/src/elementary.c", "firmware/src/lstm_f32.c")
+ROOMS = ("ann_f32", "elementary", "gcn_f32", "lstm_f32")
+SOURCES = ("tests/lstm_digest.c", *(f"firmware/src/{room}.c" for room in ROOMS))
 
 # The core's own, as in CMakeLists.txt and firmware/CMakeLists.txt; tests of each preset hold those to the same file.
 FLAGS = ("-std=c11", "-ffp-contract=off", "-fno-trapping-math", "-fno-math-errno")

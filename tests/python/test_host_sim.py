@@ -423,7 +423,18 @@ def test_list_as_json() -> None:
         "fixed": True,
         **dict.fromkeys(OTHER_RIVALS, True),
     }
-    assert listed["forecasts"] == ["none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "oracle"]
+    assert listed["forecasts"] == [
+        "none",
+        "mean",
+        "persistence",
+        "ewma",
+        "ar8",
+        "lstm",
+        "nlstm",
+        "ann",
+        "gcn",
+        "oracle",
+    ]
     assert listed["links"] == ["inproc", "can"]
 
 
@@ -747,10 +758,12 @@ def weights(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return images
 
 
-@pytest.mark.parametrize("name", ["lstm", "nlstm"])
-def test_weights_from_an_image_are_those_built_in(weights: dict[str, Path], name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "image"), [("lstm", "lstm"), ("nlstm", "nlstm"), ("ann", "lstm"), ("ann", "nlstm"), ("gcn", "nlstm")]
+)
+def test_weights_from_an_image_are_those_built_in(weights: dict[str, Path], name: str, image: str) -> None:
     arguments = ["--chooser", f"cumulative:{name}", "--seconds", "200"]
-    assert log_lines(*arguments, "--weights", str(weights[name])) == log_lines(*arguments)
+    assert log_lines(*arguments, "--weights", str(weights[image])) == log_lines(*arguments)
 
 
 def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Path) -> None:
@@ -758,7 +771,7 @@ def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Pat
     file = tmp_path / "bad.elmw"
     cases = {
         "not an ELMW image": b"ELMX" + good[4:],
-        "of another version": good[:4] + b"\x02" + good[5:],
+        "of another version": good[:4] + b"\x01" + good[5:],
         "of another length": good[:-1],
         "checksum does not fit": good[:9000] + bytes([good[9000] ^ 4]) + good[9001:],
     }
@@ -776,7 +789,7 @@ def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Pat
 def test_weights_for_a_chooser_that_cannot_use_them_are_refused(weights: dict[str, Path], chooser: str) -> None:
     done = host_sim("run", "--chooser", chooser, "--weights", str(weights["lstm"]))
     assert done.returncode == 2
-    assert "right would be a chooser with forecast lstm" in done.stderr
+    assert "right would be a chooser with forecast lstm, ann or gcn" in done.stderr
 
 
 def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path: Path) -> None:
@@ -1006,7 +1019,15 @@ def digests() -> dict[str, str]:
     found = {}
     for site in ("paper", "four_way"):
         where = [] if site == "paper" else ["--site", str(SITES_BY_NAME[site])]
-        for chooser in ("naive", "cumulative:mean", "cumulative:lstm", "cumulative:nlstm", "pressure"):
+        for chooser in (
+            "naive",
+            "cumulative:mean",
+            "cumulative:lstm",
+            "cumulative:nlstm",
+            "cumulative:ann",
+            "cumulative:gcn",
+            "pressure",
+        ):
             lines = log_lines(*where, "--chooser", chooser, "--seconds", "300")
             found[f"{site} {chooser}"] = hashlib.sha256("\n".join(lines).encode()).hexdigest()
     return found
