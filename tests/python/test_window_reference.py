@@ -37,12 +37,12 @@ SEEDS = tuple(range(1, 9))
 SECONDS = 100
 FREE = 60
 
-ONE_SECOND_BOUND = 5e-6
-FREE_BOUND = 2e-4
-JAX_BOUND = 5e-5
+ONE_SECOND_BOUND = 4e-7
+FREE_BOUND = 4e-6
+JAX_BOUND = 2e-5
 
 # A planted mistake is caught if its error is so many times the bound.
-WIDE = 100.0
+WIDE = 1000.0
 
 SHAPES = {
     "ann": {"first_row": (64, 16), "second_row": (16, 16), "head_row": (16, 4)},
