@@ -9,16 +9,23 @@
 #define ANN_WINDOW ELMOPP_ANN_WINDOW_S
 #define ANN_NEWEST (ELMOPP_ANN_WINDOW_S - 1U)
 
-/* Adds the rows of `count` inputs, in index order. `restrict` tells the compiler that no sum is a weight. */
-static void add_rows(const float (*row)[ANN_UNITS], const float *input, uint32_t count, float sum[restrict ANN_UNITS]) {
+/* Adds the rows of `count` inputs, in index order. A compiler sees that the sums of its own are no weights. */
+static void add_rows(const float (*row)[ANN_UNITS], const float *input, uint32_t count, float sum[ANN_UNITS]) {
+    float total[ANN_UNITS];
+    for (uint32_t r = 0U; r < ANN_UNITS; r++) {
+        total[r] = sum[r];
+    }
     for (uint32_t k = 0U; k < count; k++) {
         for (uint32_t r = 0U; r < ANN_UNITS; r++) {
-            sum[r] += row[k][r] * input[k];
+            total[r] += row[k][r] * input[k];
         }
+    }
+    for (uint32_t r = 0U; r < ANN_UNITS; r++) {
+        sum[r] = total[r];
     }
 }
 
-static void begin_with(const float bias[ANN_UNITS], float sum[restrict ANN_UNITS]) {
+static void begin_with(const float bias[ANN_UNITS], float sum[ANN_UNITS]) {
     for (uint32_t r = 0U; r < ANN_UNITS; r++) {
         sum[r] = bias[r];
     }

@@ -21,28 +21,35 @@ void elmopp_gcn_f32_join(elmopp_gcn_f32_graph_t *graph, uint32_t nodes, const ui
     /* 1 / sqrt(n): the core has no square root, and no node has more neighbours than these. */
     static const float root[GCN_NODES + 1U] = {0.0F,        1.0F,        0.70710678F, 0.57735027F, 0.5F,
                                                0.44721360F, 0.40824829F, 0.37796447F, 0.35355339F};
-    uint32_t degree[GCN_NODES];
-    for (uint32_t a = 0U; a < nodes; a++) {
-        degree[a] = 0U;
+    float scale[GCN_NODES]; /* D^-1/2 */
+    for (uint32_t a = 0U; a < GCN_NODES; a++) {
+        uint32_t degree = 0U;
         for (uint32_t b = 0U; b < nodes; b++) {
-            degree[a] += are_joined(joined, a, b) ? 1U : 0U;
+            degree += are_joined(joined, a, b) ? 1U : 0U;
         }
+        scale[a] = root[degree];
     }
     *graph = (elmopp_gcn_f32_graph_t){.nodes = nodes};
     for (uint32_t a = 0U; a < nodes; a++) {
         for (uint32_t b = 0U; b < nodes; b++) {
-            graph->mix[a][b] = are_joined(joined, a, b) ? (root[degree[a]] * root[degree[b]]) : 0.0F;
+            graph->mix[a][b] = are_joined(joined, a, b) ? (scale[a] * scale[b]) : 0.0F;
         }
     }
 }
 
-/* Adds the rows of `count` inputs, in index order. `restrict` tells the compiler that no sum is a weight. */
-static void add_weighted(const float (*row)[GCN_UNITS], const float *input, uint32_t count,
-                         float sum[restrict GCN_UNITS]) {
+/* Adds the rows of `count` inputs, in index order. A compiler sees that the sums of its own are no weights. */
+static void add_weighted(const float (*row)[GCN_UNITS], const float *input, uint32_t count, float sum[GCN_UNITS]) {
+    float total[GCN_UNITS];
+    for (uint32_t r = 0U; r < GCN_UNITS; r++) {
+        total[r] = sum[r];
+    }
     for (uint32_t k = 0U; k < count; k++) {
         for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-            sum[r] += row[k][r] * input[k];
+            total[r] += row[k][r] * input[k];
         }
+    }
+    for (uint32_t r = 0U; r < GCN_UNITS; r++) {
+        sum[r] = total[r];
     }
 }
 
@@ -67,7 +74,7 @@ static gcn_sum_t prepare(const float bias[GCN_UNITS], const float (*own)[GCN_UNI
 
 /* A node's units, once every node is prepared. */
 static void gather(const elmopp_gcn_f32_graph_t *graph, uint32_t node, const gcn_sum_t sum[GCN_NODES],
-                   float unit[restrict GCN_UNITS]) {
+                   float unit[GCN_UNITS]) {
     for (uint32_t r = 0U; r < GCN_UNITS; r++) {
         unit[r] = sum[node].own[r];
     }

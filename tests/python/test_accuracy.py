@@ -64,7 +64,8 @@ def test_each_clause_of_the_gate_can_fail() -> None:
 
 def test_what_the_documents_say_in_words(accuracy: dict[str, Any]) -> None:
     """A quarter of AR(8)'s error at a minute; one level and three are alike; behind persistence at a second. The plain
-    network is ahead of the LSTM up to 10 s and behind it from 30 s on; the graph's is behind both from 10 s on."""
+    network is ahead of the LSTM up to 10 s and behind it from 30 s on; the graph's is behind both from 10 s on.
+    """
     rmse = accuracy["rmse"]
     for network in RECURRENT:
         assert rmse[network]["60"] < 0.25 * rmse["ar8"]["60"]

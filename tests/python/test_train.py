@@ -2,8 +2,8 @@
 # Copyright 2026 The ELMOPP authors
 """The whole training again, as anybody would run it: what it writes is as good as what is checked in.
 
-Some quarter of an hour on two cores. Rounding differs between processors and training amplifies it, so the tables are compared
-within the tolerance that weights/README.md states, not byte for byte.
+Some quarter of an hour on two cores. Rounding differs between processors and training amplifies it, so the tables are
+compared within the tolerance that weights/README.md states, not byte for byte.
 """
 
 from __future__ import annotations
