@@ -12,9 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from elmopp_tools.train import UPDATES, kept_tensors
+from elmopp_tools.train import main as train
 from elmopp_tools.weights import main
 from elmopp_tools.weights_c import hex_literal
-from elmopp_tools.weights_model import NETWORKS, WINDOW_SHAPES, shapes
+from elmopp_tools.weights_model import NETWORKS, WINDOW_SHAPES, WeightsError, shapes
 from safetensors.numpy import load_file, save_file
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -194,3 +196,28 @@ def test_every_shape_is_the_firmwares() -> None:
     assert sum(int(np.prod(shape)) for name, shape in shapes().items() if name.startswith("ann.")) == 1380
     assert sum(int(np.prod(shape)) for name, shape in shapes().items() if name.startswith("gcn.")) == 1585
     assert sum(int(np.prod(shape)) for name, shape in shapes().items() if name.startswith("nlstm.")) == 1412 + 2 * 2112
+
+
+def test_networks_that_are_not_trained_anew_are_kept_as_they_are(tmp_path: Path) -> None:
+    kept = kept_tensors(SHIPPED, ["ann", "gcn"])
+    tensors = load_file(SHIPPED)
+    assert {name for members in kept.values() for name in members} == {
+        name for name in tensors if name.startswith(("lstm.", "nlstm."))
+    }
+    assert all(np.array_equal(values, tensors[name]) for members in kept.values() for name, values in members.items())
+    assert kept_tensors(tmp_path / "none", list(UPDATES)) == {}
+    with pytest.raises(WeightsError, match="has no network nlstm to keep ; --network nlstm too"):
+        kept_tensors(write_tensors(tmp_path, take_out_network("nlstm")), ["lstm"])
+
+
+def take_out_network(network: str) -> Callable[[Tensors], None]:
+    def change(tensors: Tensors) -> None:
+        for name in [name for name in tensors if name.startswith(f"{network}.")]:
+            del tensors[name]
+
+    return change
+
+
+def test_one_network_of_another_part_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert train(["--only", "paper", "--network", "ann"]) == 2
+    assert "--network ann without part forecast ; both, or neither" in capsys.readouterr().err
