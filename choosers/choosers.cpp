@@ -155,8 +155,8 @@ const std::vector<ChooserKind> &chooser_kinds() {
 }
 
 const std::vector<std::string> &forecast_names() {
-    static const std::vector<std::string> names{"none", "mean", "persistence", "ewma",
-                                                "ar8",  "lstm", "nlstm",       "oracle"};
+    static const std::vector<std::string> names{"none", "mean",  "persistence", "ewma", "ar8",
+                                                "lstm", "nlstm", "ann",         "gcn",  "oracle"};
     return names;
 }
 

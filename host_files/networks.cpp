@@ -5,6 +5,7 @@
 
 #include "error.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -18,7 +19,7 @@ extern "C" {
 namespace elmopp {
 
 const elmopp_weights_t *shipped_weights(const std::string &forecast) {
-    if (forecast == "lstm") {
+    if (forecast == "lstm" || forecast == "ann" || forecast == "gcn") {
         return &elmopp_weights_lstm;
     }
     return forecast == "nlstm" ? &elmopp_weights_nlstm : nullptr;
@@ -51,8 +52,18 @@ elmopp_weights_t read_weights(const std::filesystem::path &file) {
     }
 }
 
-std::string network_name(const elmopp_weights_t &weights) {
-    return weights.lstm.levels == 1 ? "lstm" : "nlstm";
+std::vector<std::string> network_names(const elmopp_weights_t &weights) {
+    return {weights.lstm.levels == 1 ? "lstm" : "nlstm", "ann", "gcn"};
+}
+
+bool can_forecast(const elmopp_weights_t &weights, const std::string &forecast) {
+    const auto names = network_names(weights);
+    return std::find(names.begin(), names.end(), forecast) != names.end();
+}
+
+std::string networks_in(const elmopp_weights_t &weights) {
+    const auto names = network_names(weights);
+    return names[0] + ", " + names[1] + " or " + names[2];
 }
 
 } // namespace elmopp

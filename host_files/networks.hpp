@@ -11,10 +11,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace elmopp {
 
-/// Which network a forecast's name means, with the weights that are shipped; null for any other forecast.
+/// The weights that are shipped for a forecast's network; null for any other forecast.
 const elmopp_weights_t *shipped_weights(const std::string &forecast);
 
 /// The weights of an ELMW image in memory. Throws BadRequest with what is wrong.
@@ -23,7 +24,13 @@ elmopp_weights_t weights_of_image(const std::uint8_t *image, std::size_t length)
 /// Reads an ELMW image for the option `--weights`. Throws BadRequest naming what is wrong with it.
 elmopp_weights_t read_weights(const std::filesystem::path &file);
 
-/// Which forecast can use such weights: `lstm` with one level, otherwise `nlstm`.
-std::string network_name(const elmopp_weights_t &weights);
+/// Which forecasts can use such weights: `lstm` with one level, otherwise `nlstm`; and `ann` and `gcn`.
+std::vector<std::string> network_names(const elmopp_weights_t &weights);
+
+/// Whether a forecast is one of them.
+bool can_forecast(const elmopp_weights_t &weights, const std::string &forecast);
+
+/// The same names in words, for a message.
+std::string networks_in(const elmopp_weights_t &weights);
 
 } // namespace elmopp

@@ -29,7 +29,7 @@ constexpr std::array<std::size_t, 4> horizons_s{1, 10, 30, 60};
 constexpr int digits = 6;
 
 const std::vector<std::string> &judged() {
-    static const std::vector<std::string> names{"mean", "persistence", "ewma", "ar8", "lstm", "nlstm"};
+    static const std::vector<std::string> names{"mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "ann", "gcn"};
     return names;
 }
 
@@ -37,10 +37,17 @@ const std::vector<std::string> &judged() {
 using Weights = std::map<std::string, elmopp_weights_t>;
 
 Weights weights_of(const AccuracyRequest &request) {
-    Weights weights{{"lstm", *shipped_weights("lstm")}, {"nlstm", *shipped_weights("nlstm")}};
+    Weights weights;
+    for (const auto &name : judged()) {
+        if (const elmopp_weights_t *shipped = shipped_weights(name)) {
+            weights[name] = *shipped;
+        }
+    }
     for (const auto &file : request.weights) {
         const elmopp_weights_t own = read_weights(file);
-        weights[network_name(own)] = own;
+        for (const auto &name : network_names(own)) {
+            weights[name] = own;
+        }
     }
     return weights;
 }
@@ -111,8 +118,9 @@ Sums judge_trial(const AccuracyRequest &request, const Weights &weights, std::si
         const elmopp_weights_t *network = find(weights, name);
         judge_forecast(name, network, scenario, demand, sums.squared[k]);
         const std::size_t distrusted =
-            network == nullptr ? 0
-                               : foresee(*network, source.unit, ELMOPP_PILOT_TRACE_S, simulated_points).distrusted_s;
+            network == nullptr
+                ? 0
+                : foresee(name, *network, source.unit, ELMOPP_PILOT_TRACE_S, simulated_points).distrusted_s;
         sums.distrusted_s.push_back(static_cast<double>(distrusted));
     }
     measure_signal(demand, sums);

@@ -68,12 +68,18 @@ class Direct final : public Control {
         return foreseen;
     }
 
-    /// The rows that there would be without neighbours, and over their beginning what these have announced: as long as
-    /// the road takes, nobody comes whom they do not know of.
+    /// The forecast's rows, told what the neighbours have announced: as long as the road takes, nobody comes whom they
+    /// do not know of. Without a forecast, and with the oracle's, it is laid over their beginning here.
     elmopp_foreseen_t rows_with_neighbours(std::size_t t_s) {
         elmopp_foreseen_t foreseen{};
         const float *rows[ELMOPP_APPROACH_MAX] = {};
         elmopp_forecast_observe(&base_, arrived_veh_.data());
+        for (std::uint32_t i = 0; i < scenario_.junction.approach_count; ++i) {
+            if ((*demand_.announced)[i].is_announced) {
+                announce((*demand_.announced)[i], told_veh_[i]);
+                elmopp_forecast_tell(&base_, i, told_veh_[i].data(), sure_of((*demand_.announced)[i]));
+            }
+        }
         (void)elmopp_forecast_look(&base_, ELMOPP_HORIZON_MAX, rows);
         foreseen.steps = ELMOPP_HORIZON_MAX;
         for (std::size_t i = 0; i < scenario_.junction.approach_count; ++i) {
@@ -84,13 +90,19 @@ class Direct final : public Control {
                 std::copy_n(row, scaled_veh_[i].size(), scaled_veh_[i].begin());
             }
             if ((*demand_.announced)[i].is_announced) {
-                announce((*demand_.announced)[i], scaled_veh_[i]);
+                std::copy_n(told_veh_[i].begin(), sure_of((*demand_.announced)[i]), scaled_veh_[i].begin());
             }
             foreseen.row_veh[i] = scaled_veh_[i].data();
         }
         return foreseen;
     }
 
+    /// The seconds of which an announcement says who comes.
+    static std::uint16_t sure_of(const Announced &announced) {
+        return static_cast<std::uint16_t>(std::min<std::size_t>(announced_span_s, announced.sure_s));
+    }
+
+    static constexpr std::size_t announced_span_s = 60; ///< of NeighbourOutflow
     using Row = std::array<float, ELMOPP_HORIZON_MAX>;
 
     /// The vehicles of each span of the frame, evenly over its seconds as far as they are sure.
@@ -104,7 +116,7 @@ class Direct final : public Control {
         const Outflow &outflow = announced.outflow;
         spread(0, 10, outflow.next10);
         spread(10, 30, outflow.next30 - outflow.next10);
-        spread(30, 60, outflow.next60 - outflow.next30);
+        spread(30, announced_span_s, outflow.next60 - outflow.next30);
     }
 
     const Scenario &scenario_;
@@ -113,6 +125,7 @@ class Direct final : public Control {
     bool occupied_ = false;
     std::unique_ptr<Plugged> plugged_;
     std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> scaled_veh_{};
+    std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> told_veh_{};
     elmopp_pilot_t pilot_{};
     elmopp_forecast_t base_{}; ///< as the pilot's own, for rows that neighbours add to
     std::vector<float> present_veh_;

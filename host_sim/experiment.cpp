@@ -159,7 +159,8 @@ class Experiment {
             auto &list = foresights_[key];
             list.resize(sources.size());
             const auto look = [&, forecast = key.second, count = most, &found = list](std::size_t trial) {
-                found[trial] = foresee(*shipped_weights(forecast), sources[trial].unit, count, simulated_points);
+                found[trial] =
+                    foresee(forecast, *shipped_weights(forecast), sources[trial].unit, count, simulated_points);
             };
             run_jobs(sources.size(), request_.jobs, look, {});
         }

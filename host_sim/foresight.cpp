@@ -6,7 +6,6 @@
 #include "autoregression.hpp"
 #include "choosers.hpp"
 #include "error.hpp"
-#include "networks.hpp"
 #include "scenario.hpp"
 #include "trial.hpp"
 
@@ -25,14 +24,14 @@ elmopp_stage_t write_down(void *state, const elmopp_view_t *view, float * /*scor
 
 } // namespace
 
-Foresight foresee(const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps, std::size_t seconds) {
+Foresight foresee(const std::string &forecast, const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps,
+                  std::size_t seconds) {
     const Scenario scenario = make_scenario(find_profile("paper"), nullptr);
     Foresight foresight{steps, unit.size(), {}, 0};
     foresight.unit_veh.reserve(seconds * unit.size() * steps);
     const Demand demand = make_demand(unit, 1.0, training_points, {}, true, seconds);
     const elmopp_chooser_t chooser{write_down, &foresight, steps};
-    const elmopp_forecast_config_t config{forecast_kind(network_name(weights)), nullptr, demand.mean_veh_per_s.data(),
-                                          &weights};
+    const elmopp_forecast_config_t config{forecast_kind(forecast), nullptr, demand.mean_veh_per_s.data(), &weights};
     elmopp_pilot_t pilot;
     elmopp_pilot_init(&pilot, &scenario.junction, &chooser, &config);
     Arrivals arrivals(scenario, demand);

@@ -13,6 +13,7 @@
 #include "core.hpp"
 #include "inflow.hpp"
 
+#include <string>
 #include <vector>
 
 namespace elmopp {
@@ -30,6 +31,7 @@ struct Foresight {
 };
 
 /// `unit` as of unit_inflow(), [approach][point], one approach each of the paper's junction.
-Foresight foresee(const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps, std::size_t seconds);
+Foresight foresee(const std::string &forecast, const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps,
+                  std::size_t seconds);
 
 } // namespace elmopp

@@ -314,7 +314,7 @@ void add_run(CLI::App &app, Texts &texts) {
     option("--trace", texts.trace, "FILE",
            "Recorded traffic instead: CSV with t_s and a column an approach, vehicles per second");
     option("--weights", texts.weights, "FILE",
-           "ELMW image for lstm or nlstm, made by tools/weights (default: those built in)");
+           "ELMW image for lstm or nlstm, and ann and gcn, made by tools/weights (default: those built in)");
     option("--seconds", texts.seconds, "N", "Length (default: 2000, or the trace's)");
     option("--log", texts.log, "FILE", "Decision log, JSON lines; - is stdout");
     command->add_flag("--full", texts.full, "Queues, reds and departures in the log too");

@@ -150,10 +150,10 @@ void run_once(const RunRequest &request) {
     std::optional<elmopp_weights_t> weights;
     if (request.weights) {
         weights = read_weights(*request.weights);
-        if (network_name(*weights) != chooser.forecast) {
+        if (!can_forecast(*weights, chooser.forecast)) {
             throw BadRequest("--weights " + request.weights->string() + ": " + std::to_string(weights->lstm.levels) +
                              " level(s) for chooser " + full_name(chooser.label(), chooser.forecast) +
-                             "; right would be a chooser with forecast " + network_name(*weights));
+                             "; right would be a chooser with forecast " + networks_in(*weights));
         }
         demand.weights = &*weights;
     }

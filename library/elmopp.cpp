@@ -85,8 +85,8 @@ const elmopp_weights_t *weights_of(elmopp_handle &self, const elmopp_options_t &
         return shipped_weights(forecast);
     }
     self.weights = weights_of_image(options.weights, options.weights_bytes);
-    if (network_name(self.weights) != forecast) {
-        throw BadRequest("options.weights is a network of forecast " + network_name(self.weights) +
+    if (!can_forecast(self.weights, forecast)) {
+        throw BadRequest("options.weights has networks for the forecasts " + networks_in(self.weights) +
                          ", the forecast is " + forecast + "; right would be weights of that forecast, or none");
     }
     return &self.weights;

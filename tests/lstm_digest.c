@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// Every bit that the LSTM and the elementary functions give, as one line a part: tests/python/test_bit_identity.py
+/// Every bit that the networks and the elementary functions give, as one line a part: tests/python/test_bit_identity.py
 /// builds this with many compilers and options and compares what it prints with tests/golden/lstm_digest.txt.
 ///
 /// Weights, inputs and arguments come from integers, so that nothing but the core itself does arithmetic that rounds. A
 /// digest is the 64-bit FNV-1a of bit patterns, low byte first. Infinities are arguments like any other.
 
+#include "elmopp/ann_f32.h"
 #include "elmopp/assert.h"
 #include "elmopp/elementary.h"
+#include "elmopp/gcn_f32.h"
 #include "elmopp/lstm_f32.h"
 #include "random.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,6 +31,8 @@
 
 static elmopp_lstm_f32_weights_t weights;
 static elmopp_lstm_f32_state_t state;
+static elmopp_ann_f32_weights_t ann;
+static elmopp_gcn_f32_weights_t gcn;
 
 void elmopp_assert_failed(const char *file, int line) {
     (void)fprintf(stderr, "assert of the core at %s:%d\n", file, line);
@@ -106,6 +111,57 @@ static void print_lstm(uint32_t levels) {
     print_digest(free_name[levels - 1U], freely);
 }
 
+/* Units are neither shut nor linear, and the windows stay near the random ones that they begin with. */
+static void make_window_weights(void) {
+    uint64_t random = 7U;
+    fill(&random, ann.first_bias, ELMOPP_ANN_UNITS, 0.5F);
+    fill(&random, ann.first_row[0], ELMOPP_ANN_INPUTS * ELMOPP_ANN_WINDOW_S * ELMOPP_ANN_UNITS, 0.25F);
+    fill(&random, ann.second_bias, ELMOPP_ANN_UNITS, 0.5F);
+    fill(&random, ann.second_row[0], ELMOPP_ANN_UNITS * ELMOPP_ANN_UNITS, 0.5F);
+    fill(&random, ann.head_bias, ELMOPP_ANN_INPUTS, 0.03125F);
+    fill(&random, ann.head_row[0], ELMOPP_ANN_UNITS * ELMOPP_ANN_INPUTS, 0.0625F);
+    fill(&random, gcn.first_bias, ELMOPP_GCN_UNITS, 0.5F);
+    fill(&random, gcn.first_own[0], ELMOPP_GCN_WINDOW_S * ELMOPP_GCN_UNITS, 0.25F);
+    fill(&random, gcn.first_passed[0], ELMOPP_GCN_WINDOW_S * ELMOPP_GCN_UNITS, 0.25F);
+    fill(&random, gcn.second_bias, ELMOPP_GCN_UNITS, 0.5F);
+    fill(&random, gcn.second_own[0], ELMOPP_GCN_UNITS * ELMOPP_GCN_UNITS, 0.5F);
+    fill(&random, gcn.second_passed[0], ELMOPP_GCN_UNITS * ELMOPP_GCN_UNITS, 0.5F);
+    fill(&random, &gcn.head_bias, 1U, 0.03125F);
+    fill(&random, gcn.head, ELMOPP_GCN_UNITS, 0.0625F);
+}
+
+/* Runs a network that sees windows on its own output: eight nodes in a ring, or four inputs. */
+static void print_windows(const char *name, bool ring) {
+    static float past[ELMOPP_GCN_NODES_MAX][ELMOPP_GCN_WINDOW_S + DRIVEN_STEPS];
+    static const uint8_t joined[ELMOPP_GCN_NODES_MAX] = {0x82U, 0x05U, 0x0AU, 0x14U, 0x28U, 0x50U, 0xA0U, 0x41U};
+    const uint32_t width = ring ? ELMOPP_GCN_NODES_MAX : ELMOPP_ANN_INPUTS;
+    uint64_t digest = FNV_BASIS;
+    uint64_t random = 9U;
+    elmopp_gcn_f32_graph_t graph;
+    elmopp_gcn_f32_join(&graph, ELMOPP_GCN_NODES_MAX, joined);
+    for (uint32_t i = 0U; i < width; i++) {
+        fill(&random, past[i], ELMOPP_GCN_WINDOW_S, 2.0F);
+    }
+    for (uint32_t step_s = 0U; step_s < DRIVEN_STEPS; step_s++) {
+        const float *window[ELMOPP_GCN_NODES_MAX];
+        float next[ELMOPP_GCN_NODES_MAX];
+        for (uint32_t i = 0U; i < ELMOPP_GCN_NODES_MAX; i++) {
+            window[i] = &past[i][step_s];
+        }
+        if (ring) {
+            elmopp_gcn_f32_next(&gcn, &graph, window, next);
+        } else {
+            elmopp_ann_f32_next(&ann, window, next);
+        }
+        take(&digest, next, width);
+        for (uint32_t i = 0U; i < width; i++) {
+            /* In range again without rounding. */
+            past[i][step_s + ELMOPP_GCN_WINDOW_S] = (next[i] > 4.0F) ? -2.0F : ((next[i] < -4.0F) ? 2.0F : next[i]);
+        }
+    }
+    print_digest(name, digest);
+}
+
 /* Over floats of either sign, from zero past infinity to the last NaN. */
 static void print_function(const char *name, float (*function)(float)) {
     uint64_t digest = FNV_BASIS;
@@ -128,5 +184,8 @@ int main(void) {
     for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
         print_lstm(levels);
     }
+    make_window_weights();
+    print_windows("ann", false);
+    print_windows("gcn", true);
     return 0;
 }

@@ -514,16 +514,21 @@ static void test_sixty_absorbed_seconds_make_the_shares_known(void) {
 /* --- whom the pilot trusts --- */
 
 /* A network that says far too much, and traffic that never changes: the mean and persistence are right. */
-static void start_with_a_loud_network(void) {
+static void start_with_a_loud(uint8_t network) {
     static elmopp_weights_t loud;
     static const float mean_veh_per_s[APPROACHES] = {1.0F, 1.0F};
     loud = elmopp_weights_lstm;
     loud.lstm.head_bias[0] = 900.0F;
-    const elmopp_forecast_config_t config = {
-        .kind = ELMOPP_FORECAST_LSTM, .mean_veh_per_s = mean_veh_per_s, .weights = &loud};
+    loud.ann.head_bias[0] = 900.0F;
+    loud.gcn.head_bias = 900.0F;
+    const elmopp_forecast_config_t config = {.kind = network, .mean_veh_per_s = mean_veh_per_s, .weights = &loud};
     start(0U, &config);
     arrived_veh[0] = 1.0F;
     arrived_veh[1] = 1.0F;
+}
+
+static void start_with_a_loud_network(void) {
+    start_with_a_loud(ELMOPP_FORECAST_LSTM);
 }
 
 static void test_a_network_is_told_from_its_own_rows_and_its_cold_start(void) {
@@ -552,6 +557,21 @@ static void test_a_network_that_is_worse_than_the_mean_is_not_listened_to(void) 
     TEST_ASSERT_EQUAL_FLOAT(1.0F, script.first_veh[0]);
     TEST_ASSERT_EQUAL_FLOAT(1.0F, script.last_veh[0]);
     TEST_ASSERT_EQUAL_FLOAT(60.0F, pilot.foreseen_sum_veh[0]);
+}
+
+static void test_networks_that_see_windows_can_lose_trust_too(void) {
+    static const uint8_t networks[2] = {ELMOPP_FORECAST_ANN, ELMOPP_FORECAST_GCN};
+    for (uint32_t k = 0U; k < 2U; k++) {
+        start_with_a_loud(networks[k]);
+        for (uint32_t n = 1U; n < (ELMOPP_FORECAST_COLD_S + ELMOPP_ACCOUNT_PROBE_S); n++) {
+            step();
+            TEST_ASSERT_EQUAL_INT((n < ELMOPP_FORECAST_COLD_S) ? ELMOPP_FORESIGHT_COLD : ELMOPP_FORESIGHT_OWN,
+                                  pilot.foresight);
+        }
+        step();
+        TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_DISTRUSTED, pilot.foresight);
+        TEST_ASSERT_EQUAL_FLOAT(1.0F, script.first_veh[0]);
+    }
 }
 
 static void test_an_account_that_is_too_short_is_no_reason(void) {
@@ -731,6 +751,7 @@ int main(void) {
     RUN_TEST(test_sixty_absorbed_seconds_make_the_shares_known);
     RUN_TEST(test_a_network_is_told_from_its_own_rows_and_its_cold_start);
     RUN_TEST(test_a_network_that_is_worse_than_the_mean_is_not_listened_to);
+    RUN_TEST(test_networks_that_see_windows_can_lose_trust_too);
     RUN_TEST(test_an_account_that_is_too_short_is_no_reason);
     RUN_TEST(test_trust_follows_the_account_against_the_mean);
     RUN_TEST(test_only_a_network_can_lose_trust);

@@ -44,7 +44,8 @@ static void test_naive_has_the_sites_window_and_no_forecast(void) {
 static void test_cumulative_has_the_forecast_that_the_site_names(void) {
     for (uint8_t kind = 0U; kind < (uint8_t)ELMOPP_FORECAST_COUNT; kind++) {
         build(ELMOPP_CHOOSER_CUMULATIVE, kind);
-        const bool network = (kind == (uint8_t)ELMOPP_FORECAST_LSTM) || (kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
+        const bool network = kind >= (uint8_t)ELMOPP_FORECAST_LSTM; /* these four, whatever comes later */
+        TEST_ASSERT_EQUAL(network, elmopp_forecast_is_network(kind));
         TEST_ASSERT_TRUE(station.urgency.options.cumulative);
         TEST_ASSERT_EQUAL_UINT8(kind, forecast()->kind);
         TEST_ASSERT_EQUAL_PTR(network ? &weights : NULL, forecast()->weights);

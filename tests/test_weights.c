@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define BODY_SIZE 22624U
+#define BODY_SIZE 34484U
 #define IMAGE_SIZE (16U + BODY_SIZE)
 #define CANARY 0xA5
 
@@ -24,7 +24,7 @@ static elmopp_weights_t canary;
 void tearDown(void) {}
 
 static void seal(void) {
-    image_seal(image, "ELMW", 1U, BODY_SIZE);
+    image_seal(image, "ELMW", 2U, BODY_SIZE);
 }
 
 static void write_image(const elmopp_weights_t *weights) {
@@ -88,7 +88,10 @@ static void test_a_cut_or_longer_image_is_refused(void) {
     expect_refused_of_length(ELMOPP_WEIGHTS_LENGTH, IMAGE_SIZE + 1U);
 }
 
+/* Version 1 had no networks that see windows. */
 static void test_another_version_is_refused(void) {
+    image_put_word(&image[4], 1U);
+    expect_refused(ELMOPP_WEIGHTS_VERSION);
     image_put_word(&image[4], ELMOPP_WEIGHTS_VERSION_NOW + 1U);
     expect_refused(ELMOPP_WEIGHTS_VERSION);
     image_put_word(&image[4], 0U);
@@ -127,6 +130,24 @@ static void test_a_value_that_is_no_number_or_too_large_is_refused_wherever_it_i
                                     offsetof(elmopp_weights_t, lstm.outer.row),
                                     offsetof(elmopp_weights_t, lstm.inner) - 4U,
                                     offsetof(elmopp_weights_t, lstm.inner),
+                                    offsetof(elmopp_weights_t, ann) - 4U,
+                                    offsetof(elmopp_weights_t, ann.first_bias),
+                                    offsetof(elmopp_weights_t, ann.first_row),
+                                    offsetof(elmopp_weights_t, ann.second_bias) - 4U,
+                                    offsetof(elmopp_weights_t, ann.second_bias),
+                                    offsetof(elmopp_weights_t, ann.second_row),
+                                    offsetof(elmopp_weights_t, ann.head_bias) - 4U,
+                                    offsetof(elmopp_weights_t, ann.head_bias),
+                                    offsetof(elmopp_weights_t, ann.head_row),
+                                    offsetof(elmopp_weights_t, gcn) - 4U,
+                                    offsetof(elmopp_weights_t, gcn.first_bias),
+                                    offsetof(elmopp_weights_t, gcn.first_own),
+                                    offsetof(elmopp_weights_t, gcn.first_passed),
+                                    offsetof(elmopp_weights_t, gcn.second_bias),
+                                    offsetof(elmopp_weights_t, gcn.second_own),
+                                    offsetof(elmopp_weights_t, gcn.second_passed),
+                                    offsetof(elmopp_weights_t, gcn.head_bias),
+                                    offsetof(elmopp_weights_t, gcn.head),
                                     BODY_SIZE - 4U};
     for (uint32_t i = 0U; i < (sizeof places / sizeof places[0]); i++) {
         expect_value_refused(ELMOPP_WEIGHTS_VALUE, places[i], NAN);

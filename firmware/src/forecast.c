@@ -36,16 +36,50 @@ static void update_shares(elmopp_forecast_t *self) {
     }
 }
 
-bool elmopp_forecast_is_network(const elmopp_forecast_t *self) {
-    return (self->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
-           (self->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
+bool elmopp_forecast_is_network(uint8_t kind) {
+    return (kind == (uint8_t)ELMOPP_FORECAST_LSTM) || (kind == (uint8_t)ELMOPP_FORECAST_NLSTM) ||
+           (kind == (uint8_t)ELMOPP_FORECAST_ANN) || (kind == (uint8_t)ELMOPP_FORECAST_GCN);
 }
 
-static bool fits(const elmopp_weights_t *weights, uint8_t kind) {
-    if ((weights == NULL) || (elmopp_weights_check(weights) != ELMOPP_WEIGHTS_OK)) {
+bool elmopp_forecast_fits(uint8_t kind, const elmopp_weights_t *weights) {
+    if ((!elmopp_forecast_is_network(kind)) || (weights == NULL) ||
+        (elmopp_weights_check(weights) != ELMOPP_WEIGHTS_OK)) {
         return false;
     }
-    return (weights->lstm.levels == 1U) == (kind == (uint8_t)ELMOPP_FORECAST_LSTM);
+    const bool plain = weights->lstm.levels == 1U;
+    return ((kind != (uint8_t)ELMOPP_FORECAST_LSTM) || plain) && ((kind != (uint8_t)ELMOPP_FORECAST_NLSTM) || (!plain));
+}
+
+/* The signal groups of an approach, and those that conflict with one of them. */
+static uint32_t groups_of(const elmopp_junction_t *junction, uint32_t approach) {
+    uint32_t groups = 0U;
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        groups |= (junction->movement[j].approach == approach) ? junction->movement[j].groups : 0U;
+    }
+    return groups;
+}
+
+static uint32_t conflicts_of(const elmopp_junction_t *junction, uint32_t approach) {
+    const uint32_t own = groups_of(junction, approach);
+    uint32_t groups = 0U;
+    for (uint32_t g = 0U; g < junction->group_count; g++) {
+        groups |= elmopp_mask_has(own, g) ? junction->conflict[g] : 0U;
+    }
+    return groups;
+}
+
+/* The graph of the approaches: joined are those that meet. */
+static void join_approaches(elmopp_gcn_f32_graph_t *graph, const elmopp_junction_t *junction) {
+    uint8_t joined[ELMOPP_GCN_NODES_MAX];
+    for (uint32_t a = 0U; a < ELMOPP_GCN_NODES_MAX; a++) {
+        const uint32_t against = conflicts_of(junction, a);
+        uint32_t mask = 0U;
+        for (uint32_t b = 0U; b < junction->approach_count; b++) {
+            mask |= ((against & groups_of(junction, b)) != 0U) ? ((uint32_t)1U << b) : 0U;
+        }
+        joined[a] = (uint8_t)mask;
+    }
+    elmopp_gcn_f32_join(graph, junction->approach_count, joined);
 }
 
 void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junction,
@@ -53,7 +87,8 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
     ELMOPP_ASSERT(config->kind < (uint8_t)ELMOPP_FORECAST_COUNT);
     ELMOPP_ASSERT((config->kind != (uint8_t)ELMOPP_FORECAST_AR8) || (config->ar8 != NULL));
     *self = (elmopp_forecast_t){.config = *config, .junction = junction};
-    self->armed = elmopp_forecast_is_network(self) && fits(config->weights, config->kind);
+    self->armed = elmopp_forecast_fits(config->kind, config->weights);
+    join_approaches(&self->graph, junction);
     update_shares(self);
 }
 
@@ -70,7 +105,12 @@ static uint32_t group_count(const elmopp_forecast_t *self) {
     return (self->junction->approach_count + ELMOPP_FORECAST_GROUP_SIZE - 1U) / ELMOPP_FORECAST_GROUP_SIZE;
 }
 
-/* The network sees one second. Inputs without an approach, or without any demand, are 0. */
+static bool is_recurrent(const elmopp_forecast_t *self) {
+    return (self->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
+           (self->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
+}
+
+/* A recurrent network sees one second. Inputs without an approach, or without any demand, are 0. */
 static void remember(elmopp_forecast_t *self) {
     const elmopp_weights_t *weights = self->config.weights;
     for (uint32_t group = 0U; group < group_count(self); group++) {
@@ -96,20 +136,27 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
         elmopp_average(&self->mean_veh[i], came_veh[i], self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
         elmopp_average(&self->ewma_veh[i], came_veh[i], self->seen_s, ELMOPP_FORECAST_EWMA_WINDOW_S);
-        for (uint32_t lag = ELMOPP_AR8_LAGS - 1U; lag > 0U; lag--) {
+        for (uint32_t lag = ELMOPP_FORECAST_PAST_S - 1U; lag > 0U; lag--) {
             self->last_veh[i][lag] = self->last_veh[i][lag - 1U];
         }
         self->last_veh[i][0] = came_veh[i];
+        self->told_s[i] = 0U;
     }
     update_shares(self);
     elmopp_account_settle(&self->account, came_veh, self->junction->approach_count);
-    if (self->armed) {
+    if (self->armed && is_recurrent(self)) {
         remember(self);
     }
 }
 
+void elmopp_forecast_tell(elmopp_forecast_t *self, uint32_t approach, const float *coming_veh, uint16_t seconds) {
+    ELMOPP_ASSERT((approach < self->junction->approach_count) && (seconds <= ELMOPP_HORIZON_MAX));
+    self->told_veh[approach] = coming_veh;
+    self->told_s[approach] = seconds;
+}
+
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self) {
-    if (elmopp_forecast_is_network(self)) {
+    if (elmopp_forecast_is_network(self->config.kind)) {
         const elmopp_forecast_status_t armed =
             (self->seen_s < ELMOPP_FORECAST_COLD_S) ? ELMOPP_FORECAST_COLD : ELMOPP_FORECAST_READY;
         return self->armed ? armed : ELMOPP_FORECAST_UNARMED;
@@ -144,8 +191,8 @@ static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uin
     }
 }
 
-/* Runs one group's network on its own output, from a copy of its memory. */
-static void fill_with_network(elmopp_forecast_t *self, uint32_t group, elmopp_lstm_f32_state_t memory, uint32_t steps) {
+/* Runs one group's recurrent network on its own output, from a copy of its memory. */
+static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_lstm_f32_state_t memory, uint32_t steps) {
     const elmopp_weights_t *weights = self->config.weights;
     for (uint32_t t = 0U; t < steps; t++) {
         float next[ELMOPP_FORECAST_GROUP_SIZE];
@@ -161,6 +208,72 @@ static void fill_with_network(elmopp_forecast_t *self, uint32_t group, elmopp_ls
         }
         if ((t + 1U) < steps) {
             elmopp_lstm_f32_step(&weights->lstm, &memory, next);
+        }
+    }
+}
+
+/* What a network that sees windows may see and say of an approach, in units of the demand scale. */
+static float held_for(const elmopp_forecast_t *self, uint32_t approach, float value) {
+    const elmopp_weights_t *weights = self->config.weights;
+    const uint32_t k = approach % ELMOPP_FORECAST_GROUP_SIZE;
+    return (self->config.kind == (uint8_t)ELMOPP_FORECAST_GCN) ? held_in(value, weights->ar8.low, weights->ar8.high)
+                                                               : held_in(value, weights->low[k], weights->high[k]);
+}
+
+/* The windows of all approaches, oldest second first. Those without an approach, or without any demand, are 0. */
+static void open_windows(const elmopp_forecast_t *self, float past[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        const float scale_veh = (i < self->junction->approach_count) ? scale_of(self, i) : 0.0F;
+        for (uint32_t k = 0U; k < ELMOPP_FORECAST_PAST_S; k++) {
+            const float came_veh = self->last_veh[i][(ELMOPP_FORECAST_PAST_S - 1U) - k];
+            past[i][k] = (scale_veh > 0.0F) ? held_for(self, i, came_veh / scale_veh) : 0.0F;
+        }
+    }
+}
+
+/* The next second of every approach, by the network that the kind names. The plain one sees the newest seconds only. */
+static void say_next(const elmopp_forecast_t *self, const float *const past[ELMOPP_APPROACH_MAX],
+                     float next[ELMOPP_APPROACH_MAX]) {
+    const elmopp_weights_t *weights = self->config.weights;
+    if (self->config.kind == (uint8_t)ELMOPP_FORECAST_GCN) {
+        elmopp_gcn_f32_next(&weights->gcn, &self->graph, past, next);
+        return;
+    }
+    const float *newest[ELMOPP_APPROACH_MAX];
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        newest[i] = &past[i][ELMOPP_FORECAST_PAST_S - ELMOPP_ANN_WINDOW_S];
+    }
+    for (uint32_t group = 0U; group < group_count(self); group++) {
+        const uint32_t first = group * ELMOPP_FORECAST_GROUP_SIZE;
+        elmopp_ann_f32_next(&weights->ann, &newest[first], &next[first]);
+    }
+}
+
+/* The next second of an approach's window: what is known of it, or else what the network says. */
+static float told_or_said(const elmopp_forecast_t *self, uint32_t approach, uint32_t t, float said) {
+    const float scale_veh = scale_of(self, approach);
+    const bool told = (t < self->told_s[approach]) && (scale_veh > 0.0F);
+    return held_for(self, approach, told ? (self->told_veh[approach][t] / scale_veh) : said);
+}
+
+/* Runs a network that sees windows on its own output: what it says is the windows' next second. */
+static void fill_from_windows(elmopp_forecast_t *self, uint32_t steps) {
+    float past[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S];
+    const float *window[ELMOPP_APPROACH_MAX];
+    float next[ELMOPP_APPROACH_MAX];
+    open_windows(self, past);
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        window[i] = past[i];
+    }
+    for (uint32_t t = 0U; t < steps; t++) {
+        say_next(self, window, next);
+        for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+            const float held = told_or_said(self, i, t, next[i]);
+            self->row_veh[i][t] = held * scale_of(self, i);
+            for (uint32_t k = 1U; k < ELMOPP_FORECAST_PAST_S; k++) {
+                past[i][k - 1U] = past[i][k];
+            }
+            past[i][ELMOPP_FORECAST_PAST_S - 1U] = held;
         }
     }
 }
@@ -188,18 +301,30 @@ static void fill_with_mean(elmopp_forecast_t *self, uint32_t steps) {
     }
 }
 
+/* What was told is the beginning of the rows. */
+static void begin_with_told(elmopp_forecast_t *self, uint32_t steps) {
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        for (uint32_t t = 0U; (t < self->told_s[i]) && (t < steps); t++) {
+            self->row_veh[i][t] = self->told_veh[i][t];
+        }
+    }
+}
+
 static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
     if (elmopp_forecast_status(self) != ELMOPP_FORECAST_READY) {
         fill_with_mean(self, steps);
-    } else if (elmopp_forecast_is_network(self)) {
+    } else if (elmopp_forecast_is_network(self->config.kind) && (!is_recurrent(self))) {
+        fill_from_windows(self, steps);
+    } else if (is_recurrent(self)) {
         for (uint32_t group = 0U; group < group_count(self); group++) {
-            fill_with_network(self, group, self->memory[group], steps);
+            fill_from_memory(self, group, self->memory[group], steps);
         }
     } else {
         for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
             fill_by_approach(self, i, steps);
         }
     }
+    begin_with_told(self, steps);
 }
 
 /* Enters what is said about the probe's second. */
@@ -235,6 +360,7 @@ uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const flo
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
     ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
     fill_with_mean(self, steps);
+    begin_with_told(self, steps);
     return hand_out(self, steps, rows);
 }
 

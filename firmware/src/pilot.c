@@ -64,7 +64,7 @@ static uint32_t waiting_movements(const elmopp_pilot_t *self, const elmopp_count
 /* Only a network can go astray on traffic that it was not made for; what it gives way to is the mean. */
 static bool is_distrusted(const elmopp_forecast_t *forecast) {
     const elmopp_account_error_t error = elmopp_forecast_error(forecast);
-    return elmopp_forecast_is_network(forecast) && (error.forecast > error.mean) &&
+    return elmopp_forecast_is_network(forecast->config.kind) && (error.forecast > error.mean) &&
            (error.compared_s >= ELMOPP_PILOT_ACCOUNT_MIN_S);
 }
 

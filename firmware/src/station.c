@@ -54,10 +54,10 @@ void elmopp_station_init(elmopp_station_t *self, const elmopp_junction_t *juncti
         self->ar8[i] = *ar8;
     }
     const uint8_t forecast = forecast_of(junction);
-    const bool network = (forecast == (uint8_t)ELMOPP_FORECAST_LSTM) || (forecast == (uint8_t)ELMOPP_FORECAST_NLSTM);
     const elmopp_controller_config_t config = {
         .junction = junction,
         .chooser = chooser_of(self, junction),
-        .forecast = {.kind = forecast, .ar8 = self->ar8, .weights = network ? weights : NULL}};
+        .forecast = {
+            .kind = forecast, .ar8 = self->ar8, .weights = elmopp_forecast_is_network(forecast) ? weights : NULL}};
     elmopp_controller_init(&self->controller, &config);
 }

@@ -42,7 +42,7 @@ static bool are_values(const uint8_t *body) {
     return good;
 }
 
-/* Judges the bytes of an elmopp_weights_t in place: a copy of 22 kB would be too much for a small board's stack. */
+/* Judges the bytes of an elmopp_weights_t in place: a copy of the whole would be too much for a small board's stack. */
 static elmopp_weights_fault_t check_body(const uint8_t *body) {
     uint32_t levels;
     (void)memcpy(&levels, &body[offsetof(elmopp_weights_t, lstm.levels)], sizeof levels);

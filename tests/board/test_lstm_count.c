@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// A step of the LSTM takes the same number of instructions, whatever the numbers are.
+/// A step of the LSTM, and one of each network that sees windows, takes the same number of instructions, whatever the
+/// numbers are.
 ///
 /// run_qemu.sh makes one instruction last 64 ns, and the board's SysTick counts at 25 MHz: 8 ticks are exactly 5
 /// instructions. The counter is cleared before each run, so equal instructions are equal ticks, and one more or less
 /// always shows; the first tests hold the method to that.
 
+#include "elmopp/ann_f32.h"
+#include "elmopp/gcn_f32.h"
 #include "elmopp/lstm_f32.h"
 #include "random.h"
 #include "unity.h"
@@ -36,6 +39,13 @@ typedef enum {
 static elmopp_lstm_f32_weights_t weights;
 static elmopp_lstm_f32_state_t state;
 static float input[ELMOPP_LSTM_INPUTS];
+static elmopp_ann_f32_weights_t ann;
+static elmopp_gcn_f32_weights_t gcn;
+static elmopp_gcn_f32_graph_t graph;
+static float past[ELMOPP_GCN_NODES_MAX][ELMOPP_GCN_WINDOW_S];
+static const float *const window[ELMOPP_GCN_NODES_MAX] = {past[0], past[1], past[2], past[3],
+                                                          past[4], past[5], past[6], past[7]};
+static float next[ELMOPP_GCN_NODES_MAX];
 static volatile int32_t condition;
 static uint64_t seed;
 
@@ -198,6 +208,55 @@ static void test_a_step_of_three_levels_takes_the_same_for_all(void) {
     expect_constant_count(3U);
 }
 
+static void ann_second(void) {
+    elmopp_ann_f32_next(&ann, window, next);
+}
+
+static void gcn_second(void) {
+    elmopp_gcn_f32_next(&gcn, &graph, window, next);
+}
+
+/* Weights, biases among them, and windows are of one kind each, all kinds in turn. */
+static void expect_constant_windows(const char *name, void (*second)(void)) {
+    uint32_t least = UINT32_MAX;
+    uint32_t most = 0U;
+    for (uint32_t i = 0U; i < CASES; i++) {
+        const values_t kind = ((i % 4U) == 3U) ? VALUES_SATURATING : VALUES_ORDINARY;
+        fill(ann.first_bias, (uint32_t)(sizeof ann.first_bias / sizeof(float)), kind);
+        fill(ann.first_row[0], ELMOPP_ANN_INPUTS * ELMOPP_ANN_WINDOW_S * ELMOPP_ANN_UNITS, kind);
+        fill(ann.second_row[0], ELMOPP_ANN_UNITS * ELMOPP_ANN_UNITS, kind);
+        fill(ann.head_row[0], ELMOPP_ANN_UNITS * ELMOPP_ANN_INPUTS, kind);
+        fill(gcn.first_own[0], ELMOPP_GCN_WINDOW_S * ELMOPP_GCN_UNITS, kind);
+        fill(gcn.first_passed[0], ELMOPP_GCN_WINDOW_S * ELMOPP_GCN_UNITS, kind);
+        fill(gcn.second_own[0], ELMOPP_GCN_UNITS * ELMOPP_GCN_UNITS, kind);
+        fill(gcn.second_passed[0], ELMOPP_GCN_UNITS * ELMOPP_GCN_UNITS, kind);
+        fill(gcn.head, ELMOPP_GCN_UNITS, kind);
+        fill(past[0], ELMOPP_GCN_NODES_MAX * ELMOPP_GCN_WINDOW_S, (values_t)(i % (uint32_t)VALUES_COUNT));
+        const uint32_t count = instructions(second);
+        least = (count < least) ? count : least;
+        most = (count > most) ? count : most;
+    }
+    (void)printf("%s: %u to %u instructions a second\n", name, (unsigned)least, (unsigned)most);
+    TEST_ASSERT_EQUAL_UINT32(least, most);
+}
+
+static void test_a_second_of_the_plain_network_takes_the_same_for_all(void) {
+    expect_constant_windows("ann", ann_second);
+}
+
+/* Complete graphs and one without an edge: only the number of nodes counts. */
+static void test_a_second_of_the_graph_takes_the_same_for_all_graphs_of_a_size(void) {
+    static const uint8_t all[ELMOPP_GCN_NODES_MAX] = {0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0xFFU};
+    static const uint8_t none[ELMOPP_GCN_NODES_MAX] = {0U, 0U, 0U, 0U, 0U, 0U, 0U, 0U};
+    elmopp_gcn_f32_join(&graph, ELMOPP_GCN_NODES_MAX, all);
+    expect_constant_windows("gcn of eight nodes", gcn_second);
+    elmopp_gcn_f32_join(&graph, 4U, all);
+    expect_constant_windows("gcn of four nodes", gcn_second);
+    const uint32_t joined = instructions(gcn_second);
+    elmopp_gcn_f32_join(&graph, 4U, none);
+    TEST_ASSERT_EQUAL_UINT32(joined, instructions(gcn_second));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_one_instruction_more_is_one_more);
@@ -206,5 +265,7 @@ int main(void) {
     RUN_TEST(test_a_step_of_the_plain_lstm_takes_the_same_for_all);
     RUN_TEST(test_a_step_of_two_levels_takes_the_same_for_all);
     RUN_TEST(test_a_step_of_three_levels_takes_the_same_for_all);
+    RUN_TEST(test_a_second_of_the_plain_network_takes_the_same_for_all);
+    RUN_TEST(test_a_second_of_the_graph_takes_the_same_for_all_graphs_of_a_size);
     return UNITY_END();
 }

@@ -24,7 +24,9 @@ enter("train")
 
 import jax.numpy as jnp  # noqa: E402  these need the environment
 import numpy as np  # noqa: E402
+from elmopp_tools import window_networks  # noqa: E402
 from elmopp_tools.nested_lstm import Parameters, Shape, output, zero_state  # noqa: E402
+from elmopp_tools.train import window_clamp  # noqa: E402
 from elmopp_tools.train_forecast import absorb, free_run  # noqa: E402
 from elmopp_tools.weights_model import NETWORKS, Network, network, read_tensors  # noqa: E402
 
@@ -57,20 +59,31 @@ def said_by(net: Network) -> dict[str, Any]:
     return {"said": np.asarray(said)[:, 0].tolist(), "free": np.asarray(free)[:, 0].tolist()}
 
 
+def said_from_windows(name: str, net: Network) -> dict[str, Any]:
+    kind = window_networks.WINDOW_NETWORKS[name]
+    values = {member: jnp.asarray(tensor) for member, tensor in net.windows[name].items()}
+    given = jnp.asarray(np.array(inputs(), dtype=np.float32))[:, None, :]
+    low, high = window_clamp(name, net.low, net.high)
+    bounds = (jnp.asarray(low), jnp.asarray(high))
+    free = window_networks.free_run(kind, values, given[-kind.window_s :], FREE_S, bounds)
+    return {"free": np.asarray(free)[:, 0].tolist()}
+
+
 def main(arguments: list[str]) -> int:
     if arguments not in ([], ["--check"]):
         print(f"make_lstm_jax: unknown argument {arguments[0]!r}; right would be --check or none", file=sys.stderr)
         return 2
     tensors, _ = read_tensors(ROOT / "weights" / "forecast.safetensors")
     made = {name: said_by(network(tensors, name)) for name in NETWORKS}
+    made |= {name: said_from_windows(name, network(tensors, "lstm")) for name in window_networks.WINDOW_NETWORKS}
     if arguments != ["--check"]:
         GOLDEN.write_text(json.dumps(made, indent=0) + "\n", encoding="ascii")
         return 0
     golden = json.loads(GOLDEN.read_text(encoding="ascii"))
     worst = max(
         float(np.max(np.abs(np.array(golden[name][part]) - np.array(made[name][part]))))
-        for name in NETWORKS
-        for part in ("said", "free")
+        for name, parts in made.items()
+        for part in parts
     )
     print(f"make_lstm_jax: largest difference {worst:.3g}")
     return 0 if worst <= TOLERANCE else 1

@@ -30,7 +30,7 @@ namespace {
 const std::string all_choosers = "naive, cumulative, pressure, priced, rollout, itlc, oaf, fixed, webster, actuated, "
                                  "max-pressure, longest-queue, max-wave, "
                                  "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
-const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, oracle";
+const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, ann, gcn, oracle";
 
 std::unique_ptr<Plugged> made(const std::string &text, const std::string &profile = "paper") {
     static std::map<std::string, Scenario> scenarios; // they outlive what is made for them
@@ -313,7 +313,8 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
         "max-pressure:none",   "longest-queue:none", "max-wave:none",    "max-wave-hold:none", "elmopp-hold:none",
         "itlc-rounds:none",    "scats:none",         "scoot:none",       "surtrac:none",       "self-control:none",
         "random:none",         "priced:none",        "rollout:none",     "rollout:mean",       "rollout:ewma",
-        "rollout:persistence", "rollout:ar8",        "rollout:lstm",     "rollout:nlstm",      "rollout:oracle"};
+        "rollout:persistence", "rollout:ar8",        "rollout:lstm",     "rollout:nlstm",      "rollout:oracle",
+        "cumulative:ann",      "cumulative:gcn",     "rollout:ann",      "rollout:gcn"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());
@@ -343,9 +344,10 @@ void test_site_names_its_chooser() {
 
 void test_forecasts_have_the_codes_of_the_core() {
     const std::vector<std::pair<std::string, int>> codes{
-        {"none", ELMOPP_FORECAST_NONE},   {"mean", ELMOPP_FORECAST_MEAN},  {"persistence", ELMOPP_FORECAST_PERSISTENCE},
-        {"ewma", ELMOPP_FORECAST_EWMA},   {"ar8", ELMOPP_FORECAST_AR8},    {"lstm", ELMOPP_FORECAST_LSTM},
-        {"nlstm", ELMOPP_FORECAST_NLSTM}, {"oracle", ELMOPP_FORECAST_NONE}};
+        {"none", ELMOPP_FORECAST_NONE},   {"mean", ELMOPP_FORECAST_MEAN}, {"persistence", ELMOPP_FORECAST_PERSISTENCE},
+        {"ewma", ELMOPP_FORECAST_EWMA},   {"ar8", ELMOPP_FORECAST_AR8},   {"lstm", ELMOPP_FORECAST_LSTM},
+        {"nlstm", ELMOPP_FORECAST_NLSTM}, {"ann", ELMOPP_FORECAST_ANN},   {"gcn", ELMOPP_FORECAST_GCN},
+        {"oracle", ELMOPP_FORECAST_NONE}};
     for (const auto &[name, code] : codes) {
         TEST_ASSERT_EQUAL_UINT_MESSAGE(code, forecast_kind(name), name.c_str());
     }

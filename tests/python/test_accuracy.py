@@ -20,7 +20,8 @@ from elmopp_tools.inflow_data import EVALUATION_SEED, TRAINING_SEED, VALIDATION_
 
 ROOT = Path(__file__).resolve().parents[2]
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "release" / "bin" / "host_sim"))
-NETWORKS = ("lstm", "nlstm")
+RECURRENT = ("lstm", "nlstm")
+NETWORKS = (*RECURRENT, "ann", "gcn")
 
 
 @pytest.fixture(scope="module")
@@ -62,12 +63,21 @@ def test_each_clause_of_the_gate_can_fail() -> None:
 
 
 def test_what_the_documents_say_in_words(accuracy: dict[str, Any]) -> None:
-    """A quarter of AR(8)'s error at a minute; one level and three are alike; behind persistence at a second."""
+    """A quarter of AR(8)'s error at a minute; one level and three are alike; behind persistence at a second. The plain
+    network is ahead of the LSTM up to 10 s and behind it from 30 s on; the graph's is behind both from 10 s on.
+    """
     rmse = accuracy["rmse"]
-    for network in NETWORKS:
+    for network in RECURRENT:
         assert rmse[network]["60"] < 0.25 * rmse["ar8"]["60"]
         assert rmse[network]["1"] > rmse["persistence"]["1"]
+    for network in NETWORKS:
         assert accuracy["distrusted_share"][network] == 0.0
+    for seconds in ("1", "10"):
+        assert rmse["ann"][seconds] < rmse["lstm"][seconds]
+    for seconds, least, most in (("30", 1.05, 1.15), ("60", 1.15, 1.3)):
+        assert least < rmse["ann"][seconds] / rmse["lstm"][seconds] < most
+    for seconds, least, most in (("1", 0.3, 0.45), ("10", 1.2, 1.5), ("30", 2.1, 2.5), ("60", 2.6, 3.0)):
+        assert least < rmse["gcn"][seconds] / rmse["lstm"][seconds] < most
     for seconds, most in (("10", 0.06), ("30", 0.02), ("60", 0.02)):
         assert abs(rmse["nlstm"][seconds] / rmse["lstm"][seconds] - 1.0) < most
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
-"""The LSTM gives the same bits from every compiler, level of optimisation and processor.
+"""The networks give the same bits from every compiler, level of optimisation and processor.
 
 tests/golden/lstm_digest.txt is what tests/lstm_digest.c prints in any of these builds. It changes only when the
 arithmetic is meant to change, and then with the weights that were trained on it.
@@ -17,7 +17,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 BOARD = ROOT / "tests" / "board"
 GOLDEN = ROOT / "tests" / "golden" / "lstm_digest.txt"
-SOURCES = ("tests/lstm_digest.c", "firmware/src/elementary.c", "firmware/src/lstm_f32.c")
+ROOMS = ("ann_f32", "elementary", "gcn_f32", "lstm_f32")
+SOURCES = ("tests/lstm_digest.c", *(f"firmware/src/{room}.c" for room in ROOMS))
 PORTABLE_KERNEL = "firmware/src/lstm_kernel.c"
 CORTEX_M4_KERNEL = "firmware/port/cortex_m/lstm_kernel.S"
 

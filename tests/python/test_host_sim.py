@@ -427,7 +427,18 @@ def test_list_as_json() -> None:
         "fixed": True,
         **dict.fromkeys(OTHER_RIVALS, True),
     }
-    assert listed["forecasts"] == ["none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "oracle"]
+    assert listed["forecasts"] == [
+        "none",
+        "mean",
+        "persistence",
+        "ewma",
+        "ar8",
+        "lstm",
+        "nlstm",
+        "ann",
+        "gcn",
+        "oracle",
+    ]
     assert listed["links"] == ["inproc", "can"]
 
 
@@ -751,10 +762,12 @@ def weights(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return images
 
 
-@pytest.mark.parametrize("name", ["lstm", "nlstm"])
-def test_weights_from_an_image_are_those_built_in(weights: dict[str, Path], name: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "image"), [("lstm", "lstm"), ("nlstm", "nlstm"), ("ann", "lstm"), ("ann", "nlstm"), ("gcn", "nlstm")]
+)
+def test_weights_from_an_image_are_those_built_in(weights: dict[str, Path], name: str, image: str) -> None:
     arguments = ["--chooser", f"cumulative:{name}", "--seconds", "200"]
-    assert log_lines(*arguments, "--weights", str(weights[name])) == log_lines(*arguments)
+    assert log_lines(*arguments, "--weights", str(weights[image])) == log_lines(*arguments)
 
 
 def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Path) -> None:
@@ -762,7 +775,7 @@ def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Pat
     file = tmp_path / "bad.elmw"
     cases = {
         "not an ELMW image": b"ELMX" + good[4:],
-        "of another version": good[:4] + b"\x02" + good[5:],
+        "of another version": good[:4] + b"\x01" + good[5:],
         "of another length": good[:-1],
         "checksum does not fit": good[:9000] + bytes([good[9000] ^ 4]) + good[9001:],
     }
@@ -780,17 +793,18 @@ def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Pat
 def test_weights_for_a_chooser_that_cannot_use_them_are_refused(weights: dict[str, Path], chooser: str) -> None:
     done = host_sim("run", "--chooser", chooser, "--weights", str(weights["lstm"]))
     assert done.returncode == 2
-    assert "right would be a chooser with forecast lstm" in done.stderr
+    assert "right would be a chooser with forecast lstm, ann or gcn" in done.stderr
 
 
-def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path: Path) -> None:
+@pytest.mark.parametrize("network", ["lstm", "ann", "gcn"])
+def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path: Path, network: str) -> None:
     """Vehicles one by one, at random, as on a street: the mean is the best that can be said, and is what is used."""
     rng = np.random.default_rng(4)
     counts = rng.poisson(0.2, size=(1500, 4))
     lines = ["t_s,N,E,S,W", *(f"{t},{','.join(map(str, row))}" for t, row in enumerate(counts))]
     (tmp_path / "street.csv").write_text("\n".join(lines) + "\n")
     arguments = ["--trace", str(tmp_path / "street.csv"), "--profile", "saturation"]
-    summary = json.loads(succeed("run", *arguments, "--chooser", "cumulative:lstm").stdout)
+    summary = json.loads(succeed("run", *arguments, "--chooser", f"cumulative:{network}").stdout)
     assert summary["fallback_s"]["cold"] == 59
     assert summary["fallback_s"]["distrusted"] > 1200
     plain = json.loads(succeed("run", *arguments, "--chooser", "cumulative:mean").stdout)
@@ -804,7 +818,10 @@ def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path:
 
 SMALL = [
     *["--profile", "paper,saturation"],
-    *["--choosers", "naive,cumulative:ar8,cumulative:lstm,cumulative:oracle,itlc,itlc@ready=60"],
+    *[
+        "--choosers",
+        "naive,cumulative:ar8,cumulative:lstm,cumulative:ann,cumulative:gcn,cumulative:oracle,itlc,itlc@ready=60",
+    ],
     *["--vehicles", "200,800", "--trials", "3", "--no-figures"],
 ]
 FILES = ["claims.json", "pairs.csv", "summary.json", "trials.csv"]
@@ -870,6 +887,8 @@ def test_trials_hold_the_spelled_out_columns_and_every_cell_once(small: Path) ->
         ("naive", "none"),
         ("cumulative", "ar8"),
         ("cumulative", "lstm"),
+        ("cumulative", "ann"),
+        ("cumulative", "gcn"),
         ("cumulative", "oracle"),
         ("itlc", "none"),
         ("itlc@ready=60", "none"),
@@ -894,7 +913,7 @@ def test_no_vehicle_is_lost(small: Path) -> None:
         assert number["served_share"] == pytest.approx(number["vehicles_out"] / number["vehicles_in"], rel=1e-9)
 
 
-@pytest.mark.parametrize("forecast", ["ar8", "lstm"])
+@pytest.mark.parametrize("forecast", ["ar8", "lstm", "ann", "gcn"])
 def test_trials_are_the_same_as_single_runs(small: Path, forecast: str) -> None:
     """A network runs inside a single run, and once for all choosers and vehicles in an experiment."""
     row = next(
@@ -911,7 +930,7 @@ def test_trials_are_the_same_as_single_runs(small: Path, forecast: str) -> None:
 def test_summary_is_made_of_the_trials(small: Path) -> None:
     rows = rows_of(small / "trials.csv")
     summary = json.loads((small / "summary.json").read_text())
-    assert len(summary) == 2 * 6 * 2 * len(METRICS)
+    assert len(summary) == 2 * 8 * 2 * len(METRICS)
     seen = set()
     for entry in summary:
         assert list(entry) == ["profile", "chooser", "forecast", "vehicles", "metric", "mean", "sd", "n"]
@@ -929,7 +948,7 @@ def test_pairs_are_made_of_the_trials(small: Path) -> None:
     assert text.splitlines()[0] == "profile,vehicles,a,b,metric,diff,ci_low,ci_high,t,df,p_one_sided"
     rows = rows_of(small / "trials.csv")
     pairs = rows_of(small / "pairs.csv")
-    assert len(pairs) == 2 * math.comb(6, 2) * 3 * 3  # profiles, pairs, {200, 800, pooled}, metrics
+    assert len(pairs) == 2 * math.comb(8, 2) * 3 * 3  # profiles, pairs, {200, 800, pooled}, metrics
     for pair in pairs:
         samples, by_trial = [], []
         for name in (pair["a"], pair["b"]):
@@ -1010,7 +1029,15 @@ def digests() -> dict[str, str]:
     found = {}
     for site in ("paper", "four_way"):
         where = [] if site == "paper" else ["--site", str(SITES_BY_NAME[site])]
-        for chooser in ("naive", "cumulative:mean", "cumulative:lstm", "cumulative:nlstm", "pressure"):
+        for chooser in (
+            "naive",
+            "cumulative:mean",
+            "cumulative:lstm",
+            "cumulative:nlstm",
+            "cumulative:ann",
+            "cumulative:gcn",
+            "pressure",
+        ):
             lines = log_lines(*where, "--chooser", chooser, "--seconds", "300")
             found[f"{site} {chooser}"] = hashlib.sha256("\n".join(lines).encode()).hexdigest()
     return found

@@ -26,10 +26,12 @@ LEVELS = {
     "lstm_kernel": 0,
     "account": 1,
     "age": 1,
+    "ann_f32": 1,
     "ar8": 1,
     "detector": 1,
     "monitor": 1,
     "timetable": 1,
+    "gcn_f32": 1,
     "lstm_f32": 1,
     "plan": 1,
     "sight": 1,
@@ -100,7 +102,7 @@ def test_no_room_knows_a_higher_level_or_another_of_its_own() -> None:
 
 
 def test_plan_site_and_the_choosers_know_level_0_only() -> None:
-    for room in ("plan", "site", "sight", "account", "ar8", "lstm_f32", "age", "pressure"):
+    for room in ("plan", "site", "sight", "account", "ann_f32", "ar8", "gcn_f32", "lstm_f32", "age", "pressure"):
         assert ROOMS[room] == LEVEL_0
 
 

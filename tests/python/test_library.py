@@ -11,10 +11,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from elmopp_tools import library
+from elmopp_tools import library, weights_image
 from elmopp_tools.library import NO_STAGE, CoreJunction, FaultError, LibraryError
 from elmopp_tools.site import load_site
 from elmopp_tools.site_image import image_bytes
+from elmopp_tools.weights_model import network as network_of
+from elmopp_tools.weights_model import read_tensors
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = Path(os.environ["ELMOPP_LIBRARY"])
@@ -110,7 +112,9 @@ def test_a_change_waits_for_an_occupied_junction() -> None:
     assert 20 <= ticks_until(3, occupied=True) - ticks_until(3, occupied=False) <= 40
 
 
-@pytest.mark.parametrize("chooser", ["max-pressure", "surtrac", "random", "pressure@h=2", "naive@frozen"])
+@pytest.mark.parametrize(
+    "chooser", ["max-pressure", "surtrac", "random", "pressure@h=2", "naive@frozen", "rollout:gcn"]
+)
 def test_rivals_and_options_are_known(chooser: str) -> None:
     with CoreJunction(IMAGE, chooser, travel_s=8, seed=5) as junction:
         full = [5.0] * junction.shape.movements
@@ -119,6 +123,24 @@ def test_rivals_and_options_are_known(chooser: str) -> None:
             for _ in range(10):
                 junction.tick()
         assert junction.target != NO_STAGE
+
+
+def image_of(network: str) -> bytes:
+    tensors, _ = read_tensors(ROOT / "weights" / "forecast.safetensors")
+    return weights_image.image_bytes(network_of(tensors, network))
+
+
+@pytest.mark.parametrize(("network", "forecast"), [("lstm", "lstm"), ("lstm", "ann"), ("nlstm", "gcn")])
+def test_weights_serve_every_network_that_is_in_them(network: str, forecast: str) -> None:
+    with CoreJunction(IMAGE, f"rollout:{forecast}", weights=image_of(network)) as junction:
+        junction.count([1.0] * junction.shape.movements, [0.1] * junction.shape.movements)
+        junction.tick()
+        assert junction.target != NO_STAGE
+
+
+def test_weights_of_another_recurrent_network_are_refused() -> None:
+    with pytest.raises(LibraryError, match="networks for the forecasts nlstm, ann or gcn, the forecast is lstm"):
+        CoreJunction(IMAGE, "cumulative:lstm", weights=image_of("nlstm"))
 
 
 def test_bad_requests_name_the_value() -> None:

@@ -75,6 +75,20 @@ LAYOUT = (
     ("inner0.row", 32 * 64),
     ("inner1.bias", 64),
     ("inner1.row", 32 * 64),
+    ("ann.first_bias", 16),
+    ("ann.first_row", 4 * 16 * 16),
+    ("ann.second_bias", 16),
+    ("ann.second_row", 16 * 16),
+    ("ann.head_bias", 4),
+    ("ann.head_row", 16 * 4),
+    ("gcn.first_bias", 16),
+    ("gcn.first_own", 32 * 16),
+    ("gcn.first_passed", 32 * 16),
+    ("gcn.second_bias", 16),
+    ("gcn.second_own", 16 * 16),
+    ("gcn.second_passed", 16 * 16),
+    ("gcn.head_bias", 1),
+    ("gcn.head", 16),
 )
 RANGES = ("low", "high", "ar8.low", "ar8.high")
 WORDS = dict(LAYOUT)
@@ -95,7 +109,8 @@ def member_at(member: str) -> int:
     return 4 * sum(words for _, words in LAYOUT[: names.index(member)])
 
 
-def body_of(weights: Any) -> bytes:
+def body_of(weights: Any, windows: dict[str, Array] | None = None) -> bytes:
+    """`windows` are the members of ann and gcn by their names in LAYOUT; zeros if there are none."""
     values: dict[str, Array] = {
         "low": weights.low,
         "high": weights.high,
@@ -105,6 +120,7 @@ def body_of(weights: Any) -> bytes:
         "ar8.high": weights.ar8[10:],
         "head_bias": weights.head_bias,
         "head_row": weights.head_row,
+        **(windows or {}),
     }
     for name, level in zip(("outer", "inner0", "inner1"), weights.levels, strict=False):
         values[f"{name}.bias"] = level.bias
@@ -121,11 +137,11 @@ def body_of(weights: Any) -> bytes:
 
 
 def seal(body: bytes) -> bytes:
-    return struct.pack("<4sIII", b"ELMW", 1, len(body), zlib.crc32(body)) + body
+    return struct.pack("<4sIII", b"ELMW", 2, len(body), zlib.crc32(body)) + body
 
 
-def image_of(weights: Any) -> bytes:
-    return seal(body_of(weights))
+def image_of(weights: Any, windows: dict[str, Array] | None = None) -> bytes:
+    return seal(body_of(weights, windows))
 
 
 # --------------------------------------------------------------------------------------------------------------------
@@ -273,7 +289,7 @@ def errors_of(folder: Path, weights: Any, inputs: Array, free: int = FREE) -> Er
 
 
 def test_the_reference_reads_back_what_the_layout_wrote() -> None:
-    assert BODY_BYTES == 22624
+    assert BODY_BYTES == 34484
     for levels in LEVELS:
         wrote = random_weights(1, levels)
         read = REFERENCE.read_image(image_of(wrote))
@@ -489,7 +505,7 @@ def test_a_longer_image_is_refused(tmp_path: Path, good_body: bytes) -> None:
     expect_refused(tmp_path, seal(good_body[:-4]), OTHER_LENGTH)
 
 
-@pytest.mark.parametrize("version", [0, 2, 0x01000000, 0xFFFFFFFF])
+@pytest.mark.parametrize("version", [0, 1, 3, 0x01000000, 0xFFFFFFFF])
 def test_another_version_is_refused(tmp_path: Path, good_body: bytes, version: int) -> None:
     image = bytearray(seal(good_body))
     struct.pack_into("<I", image, 4, version)

@@ -2,8 +2,8 @@
 # Copyright 2026 The ELMOPP authors
 """The whole training again, as anybody would run it: what it writes is as good as what is checked in.
 
-Some ten minutes on two cores. Rounding differs between processors and training amplifies it, so the tables are compared
-within the tolerance that weights/README.md states, not byte for byte.
+Some quarter of an hour on two cores. Rounding differs between processors and training amplifies it, so the tables are
+compared within the tolerance that weights/README.md states, not byte for byte.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "release" / "bin" / "host_sim"))
 TOLERANCE = 0.15
+WINDOW_TOLERANCE = 0.3  # of ann and gcn: what another seed moved them by
 
 
 @pytest.fixture(scope="module")
@@ -37,8 +38,8 @@ def accuracy(folder: Path, *arguments: str) -> dict[str, dict[str, float]]:
     return found
 
 
-def within_tolerance(ours: float, theirs: float) -> bool:
-    return abs(ours - theirs) <= TOLERANCE * theirs
+def within_tolerance(ours: float, theirs: float, tolerance: float = TOLERANCE) -> bool:
+    return abs(ours - theirs) <= tolerance * theirs
 
 
 def test_the_networks_are_as_good_as_the_shipped_ones(trained: Path) -> None:
@@ -48,9 +49,10 @@ def test_the_networks_are_as_good_as_the_shipped_ones(trained: Path) -> None:
     subprocess.run([sys.executable, str(ROOT / "tools" / "weights"), str(weights), *words], check=True)
     again = accuracy(trained, *(word for file in images.values() for word in ("--weights", str(file))))
     shipped = accuracy(trained)
-    for name in images:
+    for name in (*images, "ann", "gcn"):
         for seconds in ("10", "30", "60"):
-            assert within_tolerance(again[name][seconds], shipped[name][seconds]), (name, seconds, again[name])
+            tolerance = TOLERANCE if name in images else WINDOW_TOLERANCE
+            assert within_tolerance(again[name][seconds], shipped[name][seconds], tolerance), (name, again[name])
 
 
 def test_the_papers_variant_is_as_bad_as_the_table_says(trained: Path) -> None:

@@ -12,9 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from elmopp_tools.train import UPDATES, kept_tensors
+from elmopp_tools.train import main as train
 from elmopp_tools.weights import main
 from elmopp_tools.weights_c import hex_literal
-from elmopp_tools.weights_model import NETWORKS, shapes
+from elmopp_tools.weights_model import NETWORKS, WINDOW_SHAPES, WeightsError, shapes
 from safetensors.numpy import load_file, save_file
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,16 +54,19 @@ def test_an_image_holds_every_tensor_in_the_firmwares_order(tmp_path: Path, name
     assert main([str(SHIPPED), f"--image-{name}", str(image)]) == 0
     magic, version, length, crc = struct.unpack("<4sIII", image.read_bytes()[:16])
     body = image.read_bytes()[16:]
-    assert (magic, version, length, crc) == (b"ELMW", 1, len(body), zlib.crc32(body))
-    assert len(body) == 22624
+    assert (magic, version, length, crc) == (b"ELMW", 2, len(body), zlib.crc32(body))
+    assert len(body) == 34484
     tensors = load_file(SHIPPED)
     order = ["range.low", "range.high", "ar8.intercept", "ar8.lag", "ar8.range"]
     head = b"".join(tensors[part].tobytes() for part in order)
     levels = NETWORKS[name]
     parts = ["head", "outer", *(f"inner{k}" for k in range(1, levels))]
     tail = b"".join(tensors[f"{name}.{part}.{what}"].tobytes() for part in parts for what in ("bias", "weight"))
-    wanted = head + levels.to_bytes(4, "little") + tail
-    assert body == wanted.ljust(len(body), b"\0")
+    recurrent = head + levels.to_bytes(4, "little") + tail
+    windows = b"".join(
+        tensors[f"{window}.{member}"].tobytes() for window, members in WINDOW_SHAPES.items() for member in members
+    )
+    assert body == recurrent.ljust(len(body) - len(windows), b"\0") + windows
 
 
 def test_c_literals_are_the_same_floats(tmp_path: Path) -> None:
@@ -127,6 +132,9 @@ BAD: dict[str, tuple[Callable[[Tensors], None], list[str]]] = {
     "nan": (set_value("nlstm.inner1.weight", float("nan")), ["nlstm.inner1.weight[31, 63] is nan", "1000"]),
     "infinite": (set_value("lstm.outer.bias", float("-inf")), ["lstm.outer.bias[63] is -inf"]),
     "large": (set_value("lstm.head.weight", 1000.5), ["lstm.head.weight[15, 3] is 1000.5"]),
+    "missing window": (take_out("gcn.second_own"), ["gcn.second_own is missing", "[16, 16]"]),
+    "window's shape": (reshape("ann.first_row", (16, 64)), ["ann.first_row", "[16, 64]", "[64, 16]"]),
+    "window's value": (set_value("gcn.head", float("nan")), ["gcn.head[15] is nan"]),
     "clamp": (swap_clamp, ["range 0", "0 <= low < high"]),
     "negative clamp": (set_value("range.low", -0.5), ["range 3 is -0.5"]),
     "regression's clamp": (set_value("ar8.range", 0.0), ["ar8.range"]),
@@ -185,4 +193,31 @@ def test_check_finds_a_missing_and_a_changed_file(tmp_path: Path, capsys: pytest
 
 def test_every_shape_is_the_firmwares() -> None:
     assert sum(int(np.prod(shape)) for name, shape in shapes().items() if name.startswith("lstm.")) == 1412
+    assert sum(int(np.prod(shape)) for name, shape in shapes().items() if name.startswith("ann.")) == 1380
+    assert sum(int(np.prod(shape)) for name, shape in shapes().items() if name.startswith("gcn.")) == 1585
     assert sum(int(np.prod(shape)) for name, shape in shapes().items() if name.startswith("nlstm.")) == 1412 + 2 * 2112
+
+
+def test_networks_that_are_not_trained_anew_are_kept_as_they_are(tmp_path: Path) -> None:
+    kept = kept_tensors(SHIPPED, ["ann", "gcn"])
+    tensors = load_file(SHIPPED)
+    assert {name for members in kept.values() for name in members} == {
+        name for name in tensors if name.startswith(("lstm.", "nlstm."))
+    }
+    assert all(np.array_equal(values, tensors[name]) for members in kept.values() for name, values in members.items())
+    assert kept_tensors(tmp_path / "none", list(UPDATES)) == {}
+    with pytest.raises(WeightsError, match="has no network nlstm to keep ; --network nlstm too"):
+        kept_tensors(write_tensors(tmp_path, take_out_network("nlstm")), ["lstm"])
+
+
+def take_out_network(network: str) -> Callable[[Tensors], None]:
+    def change(tensors: Tensors) -> None:
+        for name in [name for name in tensors if name.startswith(f"{network}.")]:
+            del tensors[name]
+
+    return change
+
+
+def test_one_network_of_another_part_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert train(["--only", "paper", "--network", "ann"]) == 2
+    assert "--network ann without part forecast ; both, or neither" in capsys.readouterr().err

@@ -34,7 +34,8 @@ LAGS = 8
 GATE_ORDER = "ifog"
 
 MAGIC = b"ELMW"
-VERSION = 1
+VERSION = 2
+WINDOW_NETWORKS_FLOATS = 1380 + 1585  # ann and gcn, which are not read here
 HEADER = struct.Struct("<4sIII")  # magic, version, bytes of the body, CRC-32 of the body
 
 
@@ -68,7 +69,7 @@ class LevelWeights:
 
 @dataclass(frozen=True)
 class Weights:
-    """Everything in a weights image. Unused inner levels are not kept."""
+    """A weights image but for the networks that see windows. Unused inner levels are not kept."""
 
     low: Array  # [4]
     high: Array  # [4]
@@ -121,6 +122,7 @@ def read_image(image: bytes) -> Weights:
     head_bias, head_row = body.floats(INPUTS), body.floats(UNITS, INPUTS)
     levels = [body.level(INPUTS + UNITS)]
     levels += [body.level(2 * UNITS) for _ in range(LEVELS_MAX - 1)]
+    body.floats(WINDOW_NETWORKS_FLOATS)
     body.end()
     return Weights(low, high, ar8, head_bias, head_row, tuple(levels[:level_count]))
 

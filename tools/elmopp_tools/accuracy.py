@@ -31,6 +31,8 @@ FORECASTS = {
     "oracle": "`oracle`: what comes",
     "nlstm": "`nlstm`: three levels, stateful, shipped",
     "lstm": "`lstm`: one level, stateful, shipped",
+    "ann": "`ann`: a plain network over windows of 16 s, shipped",
+    "gcn": "`gcn`: a convolution over the graph of approaches, windows of 32 s, shipped",
     "paper": "the paper's variant: one level, windows of 8 s, trained on each trial",
     "ar8": "`ar8`: fitted to each trial",
     "persistence": "`persistence`",

@@ -23,6 +23,9 @@ LEVEL_0 = frozenset(
     {"assert", "bounds", "chooser", "elementary", "fault", "image", "junction", "lamps", "lstm_kernel", "mode"}
 )
 
+# The arithmetic behind the forecasts that learn, on level 1.
+MODELS = frozenset({"ann_f32", "ar8", "gcn_f32", "lstm_f32"})
+
 # Room: the rooms that it may know besides itself. A room that is not here may not exist.
 ROOMS: dict[str, frozenset[str]] = {
     # level 0: nothing above
@@ -39,8 +42,10 @@ ROOMS: dict[str, frozenset[str]] = {
     # level 1: not each other
     "account": LEVEL_0,
     "age": LEVEL_0,
+    "ann_f32": LEVEL_0,
     "ar8": LEVEL_0,
     "detector": LEVEL_0,
+    "gcn_f32": LEVEL_0,
     "link": LEVEL_0,
     "lstm_f32": LEVEL_0,
     "monitor": LEVEL_0,
@@ -48,14 +53,14 @@ ROOMS: dict[str, frozenset[str]] = {
     "sight": LEVEL_0,
     "site": LEVEL_0,
     "timetable": LEVEL_0,
-    # level 2: what is learnt, for both models
-    "weights": LEVEL_0 | {"ar8", "lstm_f32"},
+    # level 2: what is learnt, for all models
+    "weights": LEVEL_0 | MODELS,
     # who comes, and a model of what follows, for a chooser that plans ahead
     "coming": LEVEL_0 | {"account", "sight"},
     "future": LEVEL_0 | {"account", "coming", "sight"},
     "rollout": LEVEL_0 | {"account", "coming", "future", "sight"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
+    "forecast": LEVEL_0 | MODELS | {"account", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
@@ -64,17 +69,16 @@ ROOMS: dict[str, frozenset[str]] = {
     # the other side of the bus, a device of its own
     "lamp_node": LEVEL_0 | {"detector", "frames", "link"},
     # level 4: the inner seam
-    "pilot": LEVEL_0 | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
+    "pilot": LEVEL_0 | MODELS | {"account", "forecast", "plan", "pressure", "site", "urgency", "weights"},
     # level 5: the outer seam
     "controller": LEVEL_0
+    | MODELS
     | {
         "account",
-        "ar8",
         "detector",
         "forecast",
         "frames",
         "link",
-        "lstm_f32",
         "monitor",
         "pilot",
         "plan",

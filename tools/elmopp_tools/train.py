@@ -14,13 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from safetensors.numpy import save
+from safetensors.numpy import load_file, save
 
 from elmopp_tools.inflow_data import (
     EVALUATION_SEED,
     TRAINING_SEED,
     VALIDATION_SEED,
     InflowError,
+    Series,
     clamp,
     fit_ar8,
     trajectories,
@@ -34,7 +35,7 @@ HOST_SIM = ROOT / "build" / "release" / "bin" / "host_sim"
 TRAINING_TRIALS = 384
 VALIDATION_TRIALS = 24
 EVALUATION_TRIALS = 30
-UPDATES = {"lstm": 8000, "nlstm": 4000}
+UPDATES = {"lstm": 8000, "nlstm": 4000, "ann": 8000, "gcn": 8000}
 PARTS = ("forecast", "paper", "long-memory")
 
 # One processor core a part, and the same order of every sum whatever the machine has.
@@ -43,20 +44,21 @@ XLA_FLAGS = "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1"
 DESCRIPTION = """\
 Trains the networks and writes into the folder weights:
 
-  forecast.safetensors   forecast: the networks lstm and nlstm, their clamp, the regression ar8; on the traffic of
-                         host_sim inflow with seeds that no evaluation uses
+  forecast.safetensors   forecast: the networks lstm, nlstm, ann and gcn, their clamp, the regression ar8; on the
+                         traffic of host_sim inflow with seeds that no evaluation uses
   paper_variant.json     paper: errors of the paper's windowed variant, trained as in the paper on the points before
                          second 0 of each evaluation trial
   long_memory.json       long-memory: networks of 1, 2 and 3 levels on eight weeks of made-up demand
 
-Then tools/weights makes the C files and tools/accuracy the tables. Takes some ten minutes on two cores."""
+Then tools/weights makes the C files and tools/accuracy the tables. Takes a quarter of an hour on two cores."""
 
 EPILOG = """\
 Exit codes: 0 done; 2 the request cannot be run, with one line that says what and what would be right.
 
 Examples:
   tools/train                                  everything, into weights/
-  tools/train --only forecast --out weights    one part"""
+  tools/train --only forecast --out weights    one part
+  tools/train --only forecast --network ann    one network; the others stay as weights/forecast.safetensors has them"""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -85,6 +87,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--only", choices=PARTS, action="append", help="only this part; may be given more than once")
     parser.add_argument(
+        "--network",
+        choices=list(UPDATES),
+        action="append",
+        help="of forecast only this network, the others kept as the file in the folder has them; may be given more"
+        " than once",
+    )
+    parser.add_argument(
         "--host-sim", type=Path, default=HOST_SIM, metavar="FILE", help="the simulator (preset release)"
     )
     return parser
@@ -92,6 +101,8 @@ def _parser() -> argparse.ArgumentParser:
 
 def _run(options: argparse.Namespace) -> int:
     parts = options.only or PARTS
+    if options.network and "forecast" not in parts:
+        raise WeightsError(f"--network {options.network[0]} without part forecast", "both, or neither")
     names = {"forecast": "forecast.safetensors", "paper": "paper_variant.json", "long-memory": "long_memory.json"}
     for part in parts:
         reason = why_not_writable(options.out / names[part])
@@ -101,10 +112,12 @@ def _run(options: argparse.Namespace) -> int:
         raise WeightsError(f"there is no {options.host_sim}", "cmake --workflow --preset release, or --host-sim FILE")
     if parts != ["long-memory"]:
         trajectories(options.host_sim, TRAINING_SEED, 1)  # what is wrong with it is said before anything is trained
-    trained = train_side_by_side(options.host_sim, parts)
+    networks = options.network or list(UPDATES)
+    kept = kept_tensors(options.out / names["forecast"], networks) if "forecast" in parts else {}
+    trained = train_side_by_side(options.host_sim, parts, networks)
     outputs: Outputs = {}
     if "forecast" in parts:
-        outputs[options.out / names["forecast"]] = safetensors_bytes(options.host_sim, trained)
+        outputs[options.out / names["forecast"]] = safetensors_bytes(options.host_sim, kept | trained)
     for part in ("paper", "long-memory"):
         if part in parts:
             outputs[options.out / names[part]] = (json.dumps(trained[part], indent=1) + "\n").encode("ascii")
@@ -112,11 +125,25 @@ def _run(options: argparse.Namespace) -> int:
     return EXIT_DONE
 
 
-def train_side_by_side(host_sim: Path, parts: Sequence[str]) -> dict[str, Any]:
+def kept_tensors(file: Path, trained: Sequence[str]) -> dict[str, dict[str, Tensor]]:
+    """The networks of a file that are not trained anew."""
+    kept = [name for name in UPDATES if name not in trained]
+    if not kept:
+        return {}
+    tensors = load_file(file)
+    found = {name: {key: values for key, values in tensors.items() if key.startswith(f"{name}.")} for name in kept}
+    for name, members in found.items():
+        if not members:
+            raise WeightsError(f"{file} has no network {name} to keep", f"--network {name} too, or no --network")
+    return found
+
+
+def train_side_by_side(host_sim: Path, parts: Sequence[str], networks: Sequence[str]) -> dict[str, Any]:
     """The results of every job of these parts, one process and one core each."""
     jobs: dict[str, Callable[[Path], Any]] = {}
     if "forecast" in parts:
-        jobs |= {"nlstm": train_nlstm, "lstm": train_lstm}
+        every = {"nlstm": train_nlstm, "lstm": train_lstm, "gcn": train_gcn, "ann": train_ann}
+        jobs |= {name: job for name, job in every.items() if name in networks}
     if "long-memory" in parts:
         jobs["long-memory"] = run_long_memory
     if "paper" in parts:
@@ -140,6 +167,40 @@ def train_nlstm(host_sim: Path) -> dict[str, Tensor]:
     return train_network("nlstm", host_sim)
 
 
+def train_ann(host_sim: Path) -> dict[str, Tensor]:
+    return train_windows("ann", host_sim)
+
+
+def train_gcn(host_sim: Path) -> dict[str, Tensor]:
+    return train_windows("gcn", host_sim)
+
+
+def train_windows(name: str, host_sim: Path) -> dict[str, Tensor]:
+    """The tensors of a network that sees windows, named as in the file."""
+    from elmopp_tools.train_windows import train_window, window_rmse
+
+    series = trajectories(host_sim, TRAINING_SEED, TRAINING_TRIALS)
+    bounds = window_clamp(name, *clamp(series))
+    values = train_window(name, UPDATES[name], series, bounds, _progress(name))
+    _say_validation(name, window_rmse(name, values, trajectories(host_sim, VALIDATION_SEED, VALIDATION_TRIALS), bounds))
+    return {f"{name}.{member}": np.ascontiguousarray(tensor, dtype=np.float32) for member, tensor in values.items()}
+
+
+def window_clamp(name: str, low: Series, high: Series) -> tuple[Series, Series]:
+    """That of each approach, but one for all of the nodes of gcn, which share their weights: the regression's."""
+    return (low, high) if name == "ann" else (np.full_like(low, low.min()), np.full_like(high, high.max()))
+
+
+def _progress(name: str) -> Callable[[str], None]:
+    return lambda line: print(f"train: {name}: {line}", flush=True)
+
+
+def _say_validation(name: str, errors: dict[int, float]) -> None:
+    print(
+        f"train: {name}: validation RMSE " + ", ".join(f"{h} s {value:.4f}" for h, value in errors.items()), flush=True
+    )
+
+
 def train_network(name: str, host_sim: Path) -> dict[str, Tensor]:
     """The tensors of one network, named as in the file."""
     from elmopp_tools.nested_lstm import Shape
@@ -147,13 +208,9 @@ def train_network(name: str, host_sim: Path) -> dict[str, Tensor]:
 
     series = trajectories(host_sim, TRAINING_SEED, TRAINING_TRIALS)
     shape = Shape(inputs=4, outputs=4, units=16, levels=NETWORKS[name])
-    parameters = train(
-        Course(shape, UPDATES[name]), series, clamp(series), lambda line: print(f"train: {name}: {line}", flush=True)
-    )
+    parameters = train(Course(shape, UPDATES[name]), series, clamp(series), _progress(name))
     errors = rmse(parameters, shape, trajectories(host_sim, VALIDATION_SEED, VALIDATION_TRIALS), clamp(series))
-    print(
-        f"train: {name}: validation RMSE " + ", ".join(f"{h} s {value:.4f}" for h, value in errors.items()), flush=True
-    )
+    _say_validation(name, errors)
     tensors: dict[str, Tensor] = {}
     named = {"head": parameters.head} | {level_name(k): level for k, level in enumerate(parameters.levels)}
     for part, level in named.items():
@@ -177,7 +234,7 @@ def run_long_memory(_: Path) -> dict[str, Any]:
 
 
 def safetensors_bytes(host_sim: Path, trained: dict[str, Any]) -> bytes:
-    """The checked file: both networks and what is fitted to the same data."""
+    """The checked file: the networks and what is fitted to the same data."""
     series = trajectories(host_sim, TRAINING_SEED, TRAINING_TRIALS)
     low, high = clamp(series)
     intercept, lag = fit_ar8(series)
@@ -188,7 +245,7 @@ def safetensors_bytes(host_sim: Path, trained: dict[str, Any]) -> bytes:
         "ar8.lag": lag,
         "ar8.range": np.array([low.min(), high.max()], np.float32),
     }
-    for name in NETWORKS:
+    for name in UPDATES:
         tensors |= trained[name]
     check_tensors(tensors)
     return save(tensors)

@@ -12,6 +12,7 @@ firmware holds it; the gradient passes the clamp as if it were not there.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -32,6 +33,7 @@ LAST_RATE_SHARE = 0.01
 GRADIENT_NORM = 1.0
 
 Say = Callable[[str], None]
+P = TypeVar("P")  # everything that is trained of a network
 
 
 @dataclass(frozen=True)
@@ -85,37 +87,45 @@ def draw(key: Array, series: Array) -> Array:
 def train(course: Course, series: Series, clamp: tuple[Series, Series], say: Say) -> Parameters:
     """Trains one network on series [trajectory, second, input]; float32 throughout, the same on the same processor."""
     low, high = (jnp.asarray(bound) for bound in clamp)
-    data = jnp.asarray(series)
-    rate = optax.cosine_decay_schedule(LEARNING_RATE, course.updates, alpha=LAST_RATE_SHARE)
-    optimizer = optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.adam(rate))
     key, for_weights = jax.random.split(jax.random.key(course.seed))
     parameters = new_parameters(for_weights, course.shape, head_bias=1.0)
+
+    def error(parameters: Parameters, batch: Array, horizon_s: int) -> Array:
+        return loss(parameters, batch, course.shape, horizon_s, low, high)
+
+    return descend(error, parameters, key, course.updates, series, say)
+
+
+def descend(
+    error: Callable[[P, Array, int], Array], parameters: P, key: Array, updates: int, series: Series, say: Say
+) -> P:
+    """Adam on batches of stretches; `error` is that of (parameters, batch, horizon)."""
+    data = jnp.asarray(series)
+    rate = optax.cosine_decay_schedule(LEARNING_RATE, updates, alpha=LAST_RATE_SHARE)
+    optimizer = optax.chain(optax.clip_by_global_norm(GRADIENT_NORM), optax.adam(rate))
     memory = optimizer.init(parameters)
 
     @partial(jax.jit, static_argnames="horizon_s")
     def many_updates(
-        parameters: Parameters, memory: optax.OptState, key: Array, horizon_s: int
-    ) -> tuple[Parameters, optax.OptState, Array]:
-        def update(
-            carried: tuple[Parameters, optax.OptState], key: Array
-        ) -> tuple[tuple[Parameters, optax.OptState], Array]:
+        parameters: P, memory: optax.OptState, key: Array, horizon_s: int
+    ) -> tuple[P, optax.OptState, Array]:
+        def update(carried: tuple[P, optax.OptState], key: Array) -> tuple[tuple[P, optax.OptState], Array]:
             parameters, memory = carried
-            batch = draw(key, data)
-            error, gradient = jax.value_and_grad(loss)(parameters, batch, course.shape, horizon_s, low, high)
+            now, gradient = jax.value_and_grad(error)(parameters, draw(key, data), horizon_s)
             change, memory = optimizer.update(gradient, memory)
-            return (optax.apply_updates(parameters, change), memory), error
+            return (optax.apply_updates(parameters, change), memory), now
 
         (parameters, memory), errors = jax.lax.scan(update, (parameters, memory), jax.random.split(key, UPDATES_A_CALL))
         return parameters, memory, jnp.mean(errors)
 
-    calls = course.updates // UPDATES_A_CALL
+    calls = updates // UPDATES_A_CALL
     for call in range(calls):
         key, now = jax.random.split(key)
         # Five eighths of the updates see the whole horizon, the first three eighths shorter ones.
         horizon_s = HORIZONS_S[min(8 * call // calls, len(HORIZONS_S) - 1)]
-        parameters, memory, error = many_updates(parameters, memory, now, horizon_s)
+        parameters, memory, last = many_updates(parameters, memory, now, horizon_s)
         if call % 10 == 9:
-            say(f"{(call + 1) * UPDATES_A_CALL} updates, horizon {horizon_s} s, loss {float(error):.5f}")
+            say(f"{(call + 1) * UPDATES_A_CALL} updates, horizon {horizon_s} s, loss {float(last):.5f}")
     return parameters
 
 

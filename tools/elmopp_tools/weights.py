@@ -60,7 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("source", metavar="FILE.safetensors", type=Path, help="the trained weights")
     parser.add_argument("--c", metavar="FILE.c", type=Path, help="write a C file, and a header of the same name")
     for name, levels in NETWORKS.items():
-        what = f"write the network of {levels} level{'s' if levels > 1 else ''} as an ELMW image"
+        what = f"write an ELMW image: the network of {levels} level{'s' if levels > 1 else ''}, and ann and gcn"
         parser.add_argument(f"--image-{name}", metavar="FILE", type=Path, help=what)
     parser.add_argument("--check", action="store_true", help="write nothing; compare with the files named")
     return parser

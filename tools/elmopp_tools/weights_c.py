@@ -11,7 +11,7 @@ from elmopp_tools.weights_model import Level, Network, Tensor
 
 VALUES_A_LINE = 8
 
-WHAT = {"lstm": "forecast `lstm`: one level", "nlstm": "forecast `nlstm`: three levels, nested"}
+WHAT = {"lstm": "forecasts `lstm`, one level, `ann` and `gcn`", "nlstm": "`nlstm`, three levels, nested; `ann`, `gcn`"}
 
 
 def h_text(networks: list[Network], source_name: str, source_sha256: str) -> str:
@@ -73,7 +73,12 @@ def _members(network: Network) -> Iterator[str]:
     yield "},"
     yield ".lstm = {"
     yield from (f"    {line}" for line in _lstm(network))
-    yield "}"
+    yield "},"
+    for name, members in network.windows.items():
+        yield f".{name} = {{"
+        for member, values in members.items():
+            yield from (f"    {line}" for line in _member(member, values))
+        yield "},"
 
 
 def _lstm(network: Network) -> Iterator[str]:
@@ -95,6 +100,13 @@ def _lstm(network: Network) -> Iterator[str]:
 def _level(level: Level) -> Iterator[str]:
     yield from _array("bias", level.bias)
     yield from _matrix("row", level.weight)
+
+
+def _member(name: str, values: Tensor) -> Iterator[str]:
+    if values.shape == (1,):
+        yield f".{name} = {hex_literal(values[0])},"
+    else:
+        yield from _matrix(name, values) if values.ndim == 2 else _array(name, values)
 
 
 def _array(name: str, values: Tensor) -> Iterator[str]:

@@ -9,7 +9,7 @@ from elmopp_tools.image import envelope
 from elmopp_tools.weights_model import GATES, LEVELS_MAX, UNITS, Level, Network
 
 MAGIC = b"ELMW"
-VERSION = 1
+VERSION = 2
 
 
 def image_bytes(network: Network) -> bytes:
@@ -28,6 +28,7 @@ def body_bytes(network: Network) -> bytes:
             _level(network.head),
             _level(network.levels[0]),
             inner.ljust((LEVELS_MAX - 1) * inner_size, b"\0"),
+            *(_floats(values) for members in network.windows.values() for values in members.values()),
         ]
     )
 

@@ -3,8 +3,8 @@
 
 """What tools/train learns, as tensors with names: which there are, which shapes they have, what their values may be.
 
-The names are those of weights/forecast.safetensors, the shapes and bounds those of firmware/include/elmopp/lstm_f32.h
-and weights.h.
+The names are those of weights/forecast.safetensors, the shapes and bounds those of firmware/include/elmopp/lstm_f32.h,
+ann_f32.h, gcn_f32.h and weights.h.
 """
 
 from collections.abc import Mapping
@@ -29,6 +29,31 @@ Tensors = Mapping[str, Tensor]
 
 # Network: its levels. The first is the paper's evaluation, the second its abstract.
 NETWORKS = {"lstm": 1, "nlstm": 3}
+
+
+# The networks that see windows: seconds of a window, and every member as the firmware has it, in its order.
+WINDOW_UNITS = 16
+WINDOWS_S = {"ann": 16, "gcn": 32}
+WINDOW_SHAPES: dict[str, dict[str, tuple[int, ...]]] = {
+    "ann": {
+        "first_bias": (WINDOW_UNITS,),
+        "first_row": (INPUTS * WINDOWS_S["ann"], WINDOW_UNITS),
+        "second_bias": (WINDOW_UNITS,),
+        "second_row": (WINDOW_UNITS, WINDOW_UNITS),
+        "head_bias": (INPUTS,),
+        "head_row": (WINDOW_UNITS, INPUTS),
+    },
+    "gcn": {
+        "first_bias": (WINDOW_UNITS,),
+        "first_own": (WINDOWS_S["gcn"], WINDOW_UNITS),
+        "first_passed": (WINDOWS_S["gcn"], WINDOW_UNITS),
+        "second_bias": (WINDOW_UNITS,),
+        "second_own": (WINDOW_UNITS, WINDOW_UNITS),
+        "second_passed": (WINDOW_UNITS, WINDOW_UNITS),
+        "head_bias": (1,),
+        "head": (WINDOW_UNITS,),
+    },
+}
 
 
 class WeightsError(Exception):
@@ -58,6 +83,7 @@ class Network:
     lag_range: Tensor
     head: Level
     levels: list[Level]
+    windows: dict[str, dict[str, Tensor]]  # of WINDOW_SHAPES
 
 
 def shapes() -> dict[str, tuple[int, ...]]:
@@ -75,6 +101,8 @@ def shapes() -> dict[str, tuple[int, ...]]:
             rows = INPUTS + UNITS if level == 0 else 2 * UNITS
             wanted |= {f"{network}.{level_name(level)}.weight": (rows, GATES)}
             wanted |= {f"{network}.{level_name(level)}.bias": (GATES,)}
+    for network, members in WINDOW_SHAPES.items():
+        wanted |= {f"{network}.{member}": shape for member, shape in members.items()}
     return wanted
 
 
@@ -138,6 +166,10 @@ def network(tensors: Tensors, name: str) -> Network:
         lag_range=tensors["ar8.range"],
         head=_level(tensors, f"{name}.head"),
         levels=[_level(tensors, f"{name}.{part}") for part in parts],
+        windows={
+            window: {member: tensors[f"{window}.{member}"] for member in members}
+            for window, members in WINDOW_SHAPES.items()
+        },
     )
 
 

@@ -13,14 +13,23 @@
 ///   ewma         an exponentially weighted mean, time constant 120 s, in every step
 ///   ar8          a regression over the last eight seconds (ar8.h). The mean until eight seconds have been seen.
 ///   lstm, nlstm  a network (lstm_f32.h) of one level, or of more, that sees every second and runs on its own output,
-///                from a copy of its state. The mean until 60 seconds have been seen, or if its weights are refused.
+///                from a copy of its state
+///   ann          a plain network (ann_f32.h) that sees the last 16 seconds and runs on its own output
+///   gcn          a network over the graph of the approaches (gcn_f32.h), which sees the last 32 seconds of each and
+///   runs
+///                on its own output. Two approaches are joined if they meet in the junction: a movement of one
+///                conflicts with one of the other.
 ///
-/// The networks see arrivals / demand scale, at most and at least what the weights say, and what they say is held in
-/// the same range. They have four inputs: approaches go in groups of four in site order, one state a group, the same
-/// weights; an input without approach is 0 and what is said about it is ignored.
+/// All four networks say the mean until 60 seconds have been seen, or if their weights are refused. They see arrivals /
+/// demand scale, at most and at least what the weights say, and what they say is held in the same range. All but gcn
+/// have four inputs: approaches go in groups of four in site order, each group for itself, the same weights; an input
+/// without approach is 0 and what is said about it is ignored. For gcn each approach is a node, whatever their number.
 ///
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
+///
+/// What a neighbouring junction has announced is told, not foreseen: it is the beginning of the approach's row whatever
+/// the kind, and ann and gcn run on it as on their own output, so that over the graph it reaches the other approaches.
 ///
 /// What it says is entered in an account of its error (account.h).
 ///
@@ -39,17 +48,24 @@
 #define ELMOPP_FORECAST_SHARE_MIN_S 60U ///< shares are equal until so many seconds have been seen
 #define ELMOPP_FORECAST_COLD_S 60U      ///< a network says the mean until so many seconds have been seen
 
+/// Seconds that are remembered one by one: the longest window of a network.
+#define ELMOPP_FORECAST_PAST_S ELMOPP_GCN_WINDOW_S
+static_assert(ELMOPP_FORECAST_PAST_S >= ELMOPP_ANN_WINDOW_S, "every window is remembered");
+static_assert(ELMOPP_FORECAST_PAST_S >= ELMOPP_AR8_LAGS, "every lag is remembered");
+static_assert(ELMOPP_FORECAST_COLD_S >= ELMOPP_FORECAST_PAST_S, "no window is read before it is full");
+
 /// Approaches that one state of a network looks after, and how many states a junction needs at most.
 #define ELMOPP_FORECAST_GROUP_SIZE ELMOPP_LSTM_INPUTS
 #define ELMOPP_FORECAST_GROUP_MAX (ELMOPP_APPROACH_MAX / ELMOPP_FORECAST_GROUP_SIZE)
 static_assert((ELMOPP_APPROACH_MAX % ELMOPP_FORECAST_GROUP_SIZE) == 0U, "every approach is in a group");
+static_assert(ELMOPP_ANN_INPUTS == ELMOPP_FORECAST_GROUP_SIZE, "both kinds of network deal the same groups");
 
 /// Which forecast, and its data. The pointers must outlive the forecast.
 typedef struct {
     uint8_t kind;                    ///< ELMOPP_FORECAST_* (junction.h)
     const elmopp_ar8_t *ar8;         ///< [approach], for ar8 only
     const float *mean_veh_per_s;     ///< [approach] long-run means; null: running means
-    const elmopp_weights_t *weights; ///< for lstm (1 level) and nlstm (more); null: none could be loaded
+    const elmopp_weights_t *weights; ///< for lstm (1 level), nlstm (more), ann and gcn; null: none could be loaded
 } elmopp_forecast_config_t;
 
 /// Why the rows are what they are.
@@ -69,8 +85,11 @@ typedef struct {
     float ewma_veh[ELMOPP_APPROACH_MAX];
     float movement_mean_veh[ELMOPP_MOVEMENT_MAX];
     float share[ELMOPP_MOVEMENT_MAX];
-    float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_AR8_LAGS]; ///< [0] is the newest second
+    float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second
     elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];
+    elmopp_gcn_f32_graph_t graph;               ///< of the approaches
+    const float *told_veh[ELMOPP_APPROACH_MAX]; ///< [approach] what is known of its coming seconds
+    uint16_t told_s[ELMOPP_APPROACH_MAX];       ///< ... and of how many; 0: of none
     elmopp_account_t account;
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
 } elmopp_forecast_t;
@@ -82,16 +101,25 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
 /// Absorbs the vehicles per movement of one second: finite, >= 0.
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh);
 
+/// Tells it, after an observation, who will come to an approach in the next `seconds` (at most ELMOPP_HORIZON_MAX):
+/// vehicles of each second, finite, >= 0, which must outlive the look. Forgotten with the next observation.
+void elmopp_forecast_tell(elmopp_forecast_t *self, uint32_t approach, const float *coming_veh, uint16_t seconds);
+
 /// Fills `rows[approach]` with pointers to `steps` (at most ELMOPP_HORIZON_MAX) values each, valid until the next call,
 /// and returns the steps; with `none` the rows are null and it returns 0. Call it once after each observation: what it
 /// says is entered in the account.
 uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
-/// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to.
+/// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to. What was told
+/// stays.
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
-/// True for the kinds lstm and nlstm.
-bool elmopp_forecast_is_network(const elmopp_forecast_t *self);
+/// True for the kinds that need weights, which are those that can be distrusted: lstm, nlstm, ann and gcn.
+bool elmopp_forecast_is_network(uint8_t kind);
+
+/// Whether this kind can use such weights: they pass their check, and the recurrent network in them has one level for
+/// lstm, more for nlstm. False for null, and for a kind that needs none.
+bool elmopp_forecast_fits(uint8_t kind, const elmopp_weights_t *weights);
 
 /// Why the rows of elmopp_forecast_look() are what they are.
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self);

@@ -65,7 +65,7 @@ typedef struct {
 } elmopp_outlook_t;
 
 /// Models beyond the forecasts of a site: where rows come from that are not the forecast's own.
-enum { ELMOPP_MODEL_GIVEN = 8, ELMOPP_MODEL_COLD = 9, ELMOPP_MODEL_UNARMED = 10, ELMOPP_MODEL_DISTRUSTED = 11 };
+enum { ELMOPP_MODEL_GIVEN = 12, ELMOPP_MODEL_COLD = 13, ELMOPP_MODEL_UNARMED = 14, ELMOPP_MODEL_DISTRUSTED = 15 };
 
 /// The frames to send, not yet sealed: counter and CRC are 0.
 elmopp_frame_t elmopp_frames_lamp_command(const elmopp_lamps_t *lamps, bool fail_safe, bool dark);

@@ -50,7 +50,9 @@ enum {
     ELMOPP_FORECAST_AR8 = 4,         ///< linear autoregression over eight seconds, iterated
     ELMOPP_FORECAST_LSTM = 5,        ///< a network of one level
     ELMOPP_FORECAST_NLSTM = 6,       ///< a nested network
-    ELMOPP_FORECAST_COUNT = 7
+    ELMOPP_FORECAST_ANN = 7,         ///< a plain feed-forward network over the last seconds
+    ELMOPP_FORECAST_GCN = 8,         ///< a graph convolutional network over the approaches
+    ELMOPP_FORECAST_COUNT = 9
 };
 
 /// How a group flashes when the junction flashes.

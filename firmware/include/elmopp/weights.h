@@ -7,20 +7,25 @@
 /// weights of another version, of another shape, cut, changed on the way, no numbers. It decides nothing about
 /// forecasts; who is refused keeps what he has, and the forecast falls to the mean (forecast.h).
 ///
+/// One image serves four forecasts: one recurrent network, lstm or nlstm by its levels, and the two that see a window
+/// of seconds, ann and gcn, which are small enough to be in every image.
+///
 /// The layout is fixed: 4-byte members, no padding, little-endian. weights/elmopp_weights.c holds the shipped ones,
 /// made by tools/weights from weights/forecast.safetensors. Owner: the caller; everybody else holds a const pointer.
 
 #ifndef ELMOPP_WEIGHTS_H
 #define ELMOPP_WEIGHTS_H
 
+#include "elmopp/ann_f32.h"
 #include "elmopp/ar8.h"
+#include "elmopp/gcn_f32.h"
 #include "elmopp/lstm_f32.h"
 
 #include <assert.h>
 #include <stdint.h>
 
 /// The layout that this firmware reads.
-#define ELMOPP_WEIGHTS_VERSION_NOW 1U
+#define ELMOPP_WEIGHTS_VERSION_NOW 2U
 
 /// Largest clamp: arrivals of one second are never more than so many times the mean.
 #define ELMOPP_WEIGHTS_CLAMP_MAX 1000.0F
@@ -33,9 +38,11 @@ typedef struct {
     float high[ELMOPP_LSTM_INPUTS]; ///< ... and no more: the range of the training data, widened by a tenth each side
     elmopp_ar8_t ar8;               ///< the regression fitted to the same data, for any approach
     elmopp_lstm_f32_weights_t lstm;
+    elmopp_ann_f32_weights_t ann; ///< in the clamp `low` to `high`
+    elmopp_gcn_f32_weights_t gcn; ///< in the clamp of `ar8`, for any approach: its nodes share their weights
 } elmopp_weights_t;
 
-static_assert(sizeof(elmopp_weights_t) == 22624U, "weights must have no implicit padding");
+static_assert(sizeof(elmopp_weights_t) == 34484U, "weights must have no implicit padding");
 
 /// What is wrong with an image, in the order in which it is looked at.
 typedef enum {
@@ -44,7 +51,7 @@ typedef enum {
     ELMOPP_WEIGHTS_VERSION, ///< another layout
     ELMOPP_WEIGHTS_LENGTH,  ///< cut, too long, or of other shapes
     ELMOPP_WEIGHTS_CRC,     ///< changed on the way
-    ELMOPP_WEIGHTS_LEVELS,  ///< not 1 to ELMOPP_LSTM_LEVELS_MAX
+    ELMOPP_WEIGHTS_LEVELS,  ///< the recurrent network has not 1 to ELMOPP_LSTM_LEVELS_MAX
     ELMOPP_WEIGHTS_CLAMP,   ///< not 0 <= low < high <= ELMOPP_WEIGHTS_CLAMP_MAX
     ELMOPP_WEIGHTS_VALUE,   ///< a weight is no number or larger than ELMOPP_WEIGHTS_VALUE_MAX
     ELMOPP_WEIGHTS_FAULT_COUNT

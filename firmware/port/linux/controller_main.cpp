@@ -269,19 +269,19 @@ void check_clock(const Request &request) {
     }
 }
 
-/// The shipped network that the site asks for, unless a file was given.
+/// The shipped weights for the site's network, unless a file was given.
 const elmopp_weights_t *weights_of(const elmopp_junction_t &junction, const elmopp_weights_t *given) {
     const bool nested = junction.forecast == ELMOPP_FORECAST_NLSTM;
     return given != nullptr ? given : (nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm);
 }
 
 void check_weights(const Request &request, const elmopp_junction_t &junction, const elmopp_weights_t &weights) {
-    const std::string wanted = junction.forecast == ELMOPP_FORECAST_NLSTM ? "nlstm" : "lstm";
-    const bool network = junction.forecast == ELMOPP_FORECAST_LSTM || junction.forecast == ELMOPP_FORECAST_NLSTM;
-    if (!network || network_name(weights) != wanted) {
+    if (!elmopp_forecast_fits(junction.forecast, &weights)) {
+        const std::string wanted = junction.forecast == ELMOPP_FORECAST_NLSTM ? "nlstm" : "lstm";
         throw BadRequest(
             "--weights " + request.weights + ": " + std::to_string(weights.lstm.levels) + " level(s); right would be " +
-            (network ? "a network of forecast " + wanted : std::string("none: the site forecasts without")));
+            (elmopp_forecast_is_network(junction.forecast) ? "a network of forecast " + wanted
+                                                           : std::string("none: the site forecasts without")));
     }
 }
 

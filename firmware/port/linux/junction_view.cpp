@@ -25,13 +25,17 @@ const std::array<const char *, 13> reason_words{"ok",           "learning", "bla
                                                 "blurred",      "covered",  "moved", "lost",  "no activity",
                                                 "max presence", "erratic",  "stale"};
 
-const std::array<const char *, 12> model_words{"none",
+const std::array<const char *, 16> model_words{"none",
                                                "mean",
                                                "persistence",
                                                "ewma",
                                                "ar8",
                                                "lstm",
                                                "nlstm",
+                                               "ann",
+                                               "gcn",
+                                               "?",
+                                               "?",
                                                "?",
                                                "given",
                                                "mean (cold)",
