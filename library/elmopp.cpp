@@ -92,6 +92,16 @@ const elmopp_weights_t *weights_of(elmopp_handle &self, const elmopp_options_t &
     return &self.weights;
 }
 
+Travel travel_of(const elmopp_options_t &options, const elmopp_junction_t &junction) {
+    if (options.travel_s != ELMOPP_TRAVEL_OF_SITE) {
+        return everywhere(options.travel_s);
+    }
+    const elmopp_sight_options_t sight = elmopp_sight_of_site(&junction);
+    Travel travel_s{};
+    std::copy(std::begin(sight.travel_s), std::end(sight.travel_s), travel_s.begin());
+    return travel_s;
+}
+
 std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     if (options.site == nullptr) {
         throw BadRequest("options.site is missing; right would be an image made by tools/site");
@@ -99,8 +109,8 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     auto self = std::make_unique<elmopp_handle>();
     self->junction = site_of_image(options.site, options.site_bytes);
     const ChooserSpec spec = chooser_of(options, self->junction);
-    self->plugged = make_chooser(
-        spec, Setting{self->junction, true, false, options.travel_s, options.seed, self->downstream_veh.data()});
+    self->plugged = make_chooser(spec, Setting{self->junction, true, false, travel_of(options, self->junction),
+                                               options.seed, self->downstream_veh.data()});
     self->ar8.fill(shipped_weights("lstm")->ar8);
     const elmopp_forecast_config_t forecast{forecast_kind(spec.forecast), self->ar8.data(), nullptr,
                                             weights_of(*self, options, spec.forecast)};

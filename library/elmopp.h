@@ -33,7 +33,8 @@ extern "C" {
 #define ELMOPP_ABI_VERSION 1U
 uint32_t elmopp_abi_version(void);
 
-#define ELMOPP_NO_STAGE (-1)     ///< no stage is shown, or no wish
+#define ELMOPP_TRAVEL_OF_SITE 0xFFFFFFFFU ///< elmopp_options_t.travel_s: the caller does not say
+#define ELMOPP_NO_STAGE (-1)              ///< no stage is shown, or no wish
 #define ELMOPP_ASPECT_BYTES 17   ///< an aspect a signal group as a digit, unused groups 0, and a terminating zero
 #define ELMOPP_MESSAGE_BYTES 256 ///< enough for every message
 
@@ -55,7 +56,8 @@ typedef struct {
     const char *chooser; ///< NAME[@OPTION=VALUE][:FORECAST] as host_sim list names them; null: what the site names
     const unsigned char *weights; ///< an image as tools/weights --image makes it; null: the networks that are built in
     uint32_t weights_bytes;
-    uint32_t travel_s; ///< from the edge of the counted reach to the stop line on an empty road; 0: counted when there
+    uint32_t travel_s; ///< from the edge of the counted reach to the stop line on an empty road, 0: counted when there,
+                       ///< ELMOPP_TRAVEL_OF_SITE: as the site's reach and speed limits have it
     uint64_t seed;     ///< of a chooser that draws
 } elmopp_options_t;
 

@@ -138,7 +138,7 @@ static void weigh_rows(elmopp_rollout_t *self, const elmopp_view_t *view) {
 /* Who reaches the queue in second `step`, beyond the reach: the mean, corrected by a row as far as it is believed. */
 static float foreseen(const elmopp_rollout_t *self, const elmopp_view_t *view, uint32_t movement, uint32_t step) {
     const float expected_veh = self->expected_veh_per_s[movement];
-    const uint32_t row = step - self->options.sight.travel_s;
+    const uint32_t row = step - self->options.sight.travel_s[movement];
     if ((row >= view->foreseen_steps) || (row >= self->options.rows_s)) {
         return expected_veh;
     }
@@ -157,7 +157,7 @@ static void sum_arrivals(elmopp_rollout_t *self, const elmopp_view_t *view, uint
     self->arrived_veh[0][movement] = sum_veh;
     for (uint32_t k = 0U; k < self->options.horizon_s; k++) {
         float came_veh;
-        if (k < self->options.sight.travel_s) {
+        if (k < self->options.sight.travel_s[movement]) {
             came_veh = sight->due_veh[movement][k];
         } else {
             came_veh = foreseen(self, view, movement, k);
@@ -283,7 +283,6 @@ static float open_flow(const elmopp_rollout_t *self, uint32_t movement, float qu
    first, and goes in the next one at the earliest. */
 static void let_go(elmopp_rollout_t *self, uint32_t step) {
     elmopp_rollout_future_t *future = &self->future;
-    const uint32_t there = step + ((self->options.sight.travel_s > 0U) ? 1U : 0U);
     const uint32_t since_s = future->change_s - future->remaining_s;
     const float changing_s = (float)since_s;
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
@@ -293,6 +292,7 @@ static void let_go(elmopp_rollout_t *self, uint32_t step) {
         if (lost_s >= 1.0F) {
             future->startup_s[j] = lost_s - 1.0F;
         } else {
+            const uint32_t there = step + ((self->options.sight.travel_s[j] > 0U) ? 1U : 0U);
             const float queue_veh = standing(self, there, j);
             const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
             const float leaving_veh = elmopp_lesser(flow, queue_veh);
@@ -490,6 +490,15 @@ static bool is_share(float value) {
     return (value >= 0.0F) && (value <= 1.0F);
 }
 
+static uint16_t shortest_travel_s(const elmopp_sight_options_t *sight) {
+    uint16_t shortest_s = ELMOPP_SIGHT_TRAVEL_MAX_S;
+    for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
+        ELMOPP_ASSERT(sight->travel_s[j] <= ELMOPP_SIGHT_TRAVEL_MAX_S);
+        shortest_s = (sight->travel_s[j] < shortest_s) ? sight->travel_s[j] : shortest_s;
+    }
+    return shortest_s;
+}
+
 elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollout_options_t *options) {
     ELMOPP_ASSERT((options->min_s >= 1U) && (options->min_s <= options->max_s));
     ELMOPP_ASSERT((options->horizon_s >= 1U) && (options->horizon_s <= ELMOPP_HORIZON_MAX));
@@ -497,7 +506,6 @@ elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollou
     ELMOPP_ASSERT((options->rule_count >= 1U) && (options->rule_count <= ELMOPP_ROLLOUT_RULE_MAX));
     ELMOPP_ASSERT(is_share(options->row_weight) && is_share(options->mean_weight));
     ELMOPP_ASSERT(is_share(options->blocked_share) && (options->yellow_used_s >= 0.0F));
-    ELMOPP_ASSERT(options->sight.travel_s <= ELMOPP_SIGHT_TRAVEL_MAX_S);
     for (uint32_t h = 0U; h < options->hold_count; h++) {
         ELMOPP_ASSERT(options->hold_s[h] >= 1U);
     }
@@ -505,7 +513,7 @@ elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollou
         ELMOPP_ASSERT(options->ratio[r] >= 1.0F);
     }
     *self = (elmopp_rollout_t){.options = *options};
-    const uint16_t travel_s = options->sight.travel_s;
+    const uint16_t travel_s = shortest_travel_s(&options->sight);
     /* Who is seen at the edge of the reach now arrives travel_s later: rows beyond the horizon are of no use. */
     const uint16_t useful_s = (options->horizon_s > travel_s) ? (uint16_t)(options->horizon_s - travel_s) : 0U;
     const uint16_t rows_s = (useful_s < options->rows_s) ? useful_s : options->rows_s;

@@ -129,7 +129,7 @@ void test_flow_ratios_give_a_movement_of_several_stages_what_it_needs() {
 
 /// Observes what somebody sees who is asked with these counts.
 struct Observer {
-    Approaching approaching{3};
+    Approaching approaching{everywhere(3)};
 
     elmopp_stage_t choose(const elmopp_view_t &view, float * /*score*/) {
         approaching.observe(view);

@@ -78,7 +78,7 @@ class Vehicles {
 /// The lamps of every second.
 std::vector<std::uint32_t> lamps_of(const ChooserSpec &spec, const elmopp_junction_t &site) {
     const std::vector<float> behind_veh(site.movement_count, 3.0F);
-    const Setting setting{site, site.simulation_only == 0, false, travel_s, 7, behind_veh.data()};
+    const Setting setting{site, site.simulation_only == 0, false, everywhere(travel_s), 7, behind_veh.data()};
     const auto plugged = make_chooser(spec, setting);
     Watched watched{plugged->chooser, spec.label() + " at " + site.name};
     const elmopp_chooser_t chooser{watch, &watched, plugged->chooser.horizon_s};
@@ -122,7 +122,7 @@ void test_every_chooser_names_a_stage_and_does_the_same_again() {
 
 /// Any counts, any stage shown, an intergreen now and then: more than a pilot would do.
 void ask_wildly(const ChooserSpec &spec, const elmopp_junction_t &junction) {
-    const Setting setting{junction, false, false, 3, 1, nullptr};
+    const Setting setting{junction, false, false, everywhere(3), 1, nullptr};
     const auto plugged = make_chooser(spec, setting);
     Watched watched{plugged->chooser, spec.label()};
     const elmopp_chooser_t chooser{watch, &watched, 0};

@@ -44,15 +44,45 @@ void expect_leads_to(const Way &way, std::size_t junction, Side approach) {
 NetworkText g_alpha() {
     NetworkText text;
     text.name = "g_alpha";
-    text.nodes = {{"a", "four_way", {"", "b", "d", ""}},
-                  {"b", "four_way", {"", "", "c", "a"}},
-                  {"c", "four_way", {"b", "", "", "d"}},
-                  {"d", "four_way", {"a", "c", "", ""}}};
+    text.nodes = {{"a", "four_way", {"", "b", "d", ""}, {}},
+                  {"b", "four_way", {"", "", "c", "a"}, {}},
+                  {"c", "four_way", {"b", "", "", "d"}, {}},
+                  {"d", "four_way", {"a", "c", "", ""}, {}}};
     const Entry none{0, 0, 0};
     const Entry all{1, 1, 1};
     text.adjacency = {
         {none, {0, 1, 1}, none, all}, {{0, 0, 1}, none, all, none}, {none, all, none, all}, {all, none, all, none}};
     return text;
+}
+
+// From a to b 250 m at 36 km/h; the reach of 100 m takes 10 s, the road before it 15 s.
+void test_a_road_has_the_length_and_the_limit_that_are_told_of_it() {
+    NetworkText text = g_alpha();
+    text.nodes[1].roads[W] = {250.0, 36.0};
+    text.nodes[0].roads[N] = {std::nullopt, 72.0};
+    const Network network = make_network(text, "discrete");
+    const auto &b = network.scenarios[1].junction;
+    TEST_ASSERT_EQUAL_INT64(150, road_ds(b, network.plan[1].arms[W]));
+    TEST_ASSERT_EQUAL_INT64(100, reach_ds(b, network.plan[1].arms[W]));
+    TEST_ASSERT_EQUAL_INT64(72, reach_ds(b, network.plan[1].arms[N]));
+    TEST_ASSERT_EQUAL_INT64(50, reach_ds(b, network.plan[0].arms[N]));
+    TEST_ASSERT_EQUAL_INT64(100, road_ds(b, network.plan[0].arms[N])); // 200 m
+    TEST_ASSERT_EQUAL_UINT(10, network.scenarios[1].setting().travel_s[WM]);
+    TEST_ASSERT_EQUAL_UINT(7, network.scenarios[1].setting().travel_s[EM]);
+    TEST_ASSERT_EQUAL_UINT(5, network.scenarios[0].setting().travel_s[NM]);
+}
+
+void test_a_road_that_cannot_be_is_named() {
+    const auto refused = [](const RoadText &road, Side side, const char *site) {
+        NetworkText text = grid(1, 1);
+        text.nodes[0].site = site;
+        text.nodes[0].roads[side] = road;
+        return message_of<BadRequest>([&] { (void)make_network(text, "discrete"); });
+    };
+    expect_words(refused({100.0, std::nullopt}, N, "four_way"),
+                 {"grid:1x1", "junction 0.0", "road N", "length is 100", "115 to"});
+    expect_words(refused({std::nullopt, 4.0}, S, "four_way"), {"road S", "speed is 4", "5 to 200"});
+    expect_words(refused({300.0, std::nullopt}, N, "three_way"), {"road N", "three_way", "no approach"});
 }
 
 void test_turns_lead_to_the_neighbour_on_their_side() {
@@ -204,6 +234,8 @@ void test_a_grid_of_one_is_the_single_junction() {
 
 int main() {
     UNITY_BEGIN();
+    RUN_TEST(test_a_road_has_the_length_and_the_limit_that_are_told_of_it);
+    RUN_TEST(test_a_road_that_cannot_be_is_named);
     RUN_TEST(test_turns_lead_to_the_neighbour_on_their_side);
     RUN_TEST(test_a_turn_without_lanes_in_the_tensor_is_a_dead_edge);
     RUN_TEST(test_a_tensor_that_does_not_fit_the_neighbours_is_named);

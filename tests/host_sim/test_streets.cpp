@@ -33,7 +33,9 @@ class World {
   public:
     explicit World(const elmopp_junction_t &site, const std::vector<double> &split = {})
         : scenario_(make_scenario("discrete@length=300", &site, split)) {
-        scenario_.street->speed_m_per_s = speed_m_per_s;
+        for (Road &road : scenario_.street->roads) {
+            road.speed_m_per_s = speed_m_per_s;
+        }
         plan_ = plan_of(scenario_);
         comings_.resize(site.approach_count);
     }
@@ -349,14 +351,53 @@ void test_no_vehicle_is_lost_whatever_the_lamps_do() {
     }
 }
 
+// 100 m of reach: 7.2 s at 50 km/h, 12 s at 30, 5.1 s at 70.
+void test_a_site_says_how_fast_its_approaches_are() {
+    elmopp_junction_t site = elmopp_site_one_way;
+    site.movement[1].limit_km_per_h = 30;
+    const Scenario scenario = make_scenario("discrete", &site);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50.0 / 3.6, scenario.surroundings().roads[0].speed_m_per_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 30.0 / 3.6, scenario.surroundings().roads[1].speed_m_per_s);
+    TEST_ASSERT_EQUAL_UINT(7, scenario.setting().travel_s[0]);
+    TEST_ASSERT_EQUAL_UINT(12, scenario.setting().travel_s[1]);
+    const Scenario same = make_scenario("discrete@speed=70", &site);
+    TEST_ASSERT_EQUAL_UINT(5, same.setting().travel_s[0]);
+    TEST_ASSERT_EQUAL_UINT(5, same.setting().travel_s[1]);
+}
+
+void test_each_arm_is_driven_at_its_own_limit() {
+    elmopp_junction_t site = elmopp_site_one_way;
+    site.movement[1].limit_km_per_h = 36;
+    Scenario scenario = make_scenario("discrete@length=300", &site);
+    scenario.pave(0, 72.0, 200.0, "");
+    const StreetPlan plan = plan_of(scenario);
+    TEST_ASSERT_EQUAL_INT64(50, road_ds(site, plan[0].arms[0])); // 100 m at 20 m/s
+    TEST_ASSERT_EQUAL_INT64(50, reach_ds(site, plan[0].arms[0]));
+    TEST_ASSERT_EQUAL_INT64(200, road_ds(site, plan[0].arms[1])); // 200 m at 10 m/s
+    TEST_ASSERT_EQUAL_INT64(100, reach_ds(site, plan[0].arms[1]));
+    Comings comings(2);
+    comings[0].push_back({100, 1});
+    comings[1].push_back({100, 1});
+    Streets streets(plan, {comings});
+    for (std::int64_t now_ds = 0; now_ds <= 200; ++now_ds) {
+        streets.begin_second();
+        streets.tick({all_open});
+        TEST_ASSERT_EQUAL_DOUBLE(now_ds == 150 ? 1.0 : 0.0, streets.counts(0).left_veh()[0]);
+        TEST_ASSERT_EQUAL_DOUBLE(now_ds == 200 ? 1.0 : 0.0, streets.counts(0).left_veh()[1]);
+        streets.end_second();
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, streets.delay_veh_s());
+}
+
 void test_wrong_options_of_the_profile_are_named() {
     const auto refused = [](const std::string &profile) {
         return message_of<BadRequest>([&] { (void)make_scenario(profile, nullptr); }, profile);
     };
     expect_words(refused("discrete@site=frob"), {"site", "\"frob\"", "four_way"});
     expect_words(refused("discrete@demand=frob"), {"\"frob\"", "poisson, alternating"});
-    expect_words(refused("discrete@speed=0"), {"speed", "\"0\"", "5 to 200"});
-    expect_words(refused("discrete@length=100"), {"length", "\"100\"", "115 to"});
+    expect_words(refused("discrete@speed=0"), {"speed", "is 0", "5 to 200"});
+    expect_words(refused("discrete@length=100"), {"length", "is 100", "115 to"});
+    expect_words(refused("discrete@speed=fast"), {"speed", "\"fast\"", "a number"});
     expect_words(refused("discrete@frob=1"), {"\"frob\"", "site, demand, speed, length"});
     expect_words(refused("paper@speed=50"), {"paper@speed=50", "only discrete"});
     expect_words(message_of<BadRequest>([] { (void)make_scenario("discrete@site=four_way", &elmopp_site_one_way); }),
@@ -385,6 +426,8 @@ int main() {
     RUN_TEST(test_alternating_demand_is_light_then_heavy);
     RUN_TEST(test_the_oracle_knows_who_reaches_the_reach_and_when);
     RUN_TEST(test_no_vehicle_is_lost_whatever_the_lamps_do);
+    RUN_TEST(test_a_site_says_how_fast_its_approaches_are);
+    RUN_TEST(test_each_arm_is_driven_at_its_own_limit);
     RUN_TEST(test_wrong_options_of_the_profile_are_named);
     return UNITY_END();
 }

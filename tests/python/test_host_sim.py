@@ -110,7 +110,7 @@ BAD_VALUES = [
     ("run --chooser naive:mean", "naive:mean", "reads no forecast"),
     ("run --chooser ", '""', "naive"),
     ("run --profile papers", '"papers"', "paper, saturation, figure, literal"),
-    ("run --profile discrete@speed=0", '"0"', "5 to 200"),
+    ("run --profile discrete@speed=0", "speed is 0", "5 to 200"),
     ("run --vehicles 0", '"0"', "1 to 100000"),
     ("run --vehicles -5", '"-5"', "1 to 100000"),
     ("run --vehicles abc", '"abc"', "1 to 100000"),
@@ -213,6 +213,22 @@ def test_bad_values_are_named_with_what_would_be_right(tmp_path: Path, command: 
     (tmp_path / "file").write_text("in the way\n")
     # A space at the end is an empty last argument.
     refused(tmp_path, command.split(" ") if command else [], value, right)
+
+
+BAD_ROADS = [
+    ('roads = { N = { speed_km_per_h = "fast" } }', '"fast"', "road N", "right would be a number"),
+    ("roads = { N = { lenght_m = 300 } }", '"lenght_m"', "road N", "length_m or speed_km_per_h"),
+    ("roads = { X = { length_m = 300 } }", '"X"', "N, E, S or W"),
+    ("roads = { S = { length_m = 20 } }", "length is 20", "junction a", "road S", "115 to 10000"),
+]
+
+
+@pytest.mark.parametrize("case", BAD_ROADS, ids=[case[1] for case in BAD_ROADS])
+def test_a_road_that_cannot_be_is_named(tmp_path: Path, case: tuple[str, ...]) -> None:
+    (tmp_path / "bad.toml").write_text(
+        f'name = "bad"\nadjacency = [[[0, 0, 0]]]\n[[junctions]]\nname = "a"\nsite = "four_way"\n{case[0]}\n'
+    )
+    refused(tmp_path, ["experiment", "--network", "bad.toml"], *case[1:])
 
 
 def test_a_refusal_is_one_line_whatever_the_value_holds(tmp_path: Path) -> None:

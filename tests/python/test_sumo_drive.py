@@ -213,9 +213,8 @@ def test_maximum_green_is_kept_for_who_waits(drive: Any, sumo: Sumo, signal: Sig
     assert "rrG" in dict(seen)
 
 
-@pytest.mark.parametrize(("reach_m", "travel_s"), [(30.0, 2), (100.0, 8), (1000.0, 12)])
-def test_the_library_is_told_of_the_way_to_the_stop_line_and_of_the_seed(
-    drive: Any, signal: Signal, monkeypatch: pytest.MonkeyPatch, reach_m: float, travel_s: int
+def test_the_library_is_told_of_the_seed_and_takes_the_way_to_the_stop_line_from_the_site(
+    drive: Any, signal: Signal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: dict[str, object] = {}
     right = drive.CoreJunction
@@ -225,8 +224,8 @@ def test_the_library_is_told_of_the_way_to_the_stop_line_and_of_the_seed(
         return right(site, chooser, **words)
 
     monkeypatch.setattr(drive, "CoreJunction", noting)
-    drive.Driver(signal, TIMES, reach_m, "random", 77).close()
-    assert told == {"chooser": "random", "travel_s": travel_s, "seed": 77}
+    drive.Driver(signal, TIMES, REACH_M, "random", 77).close()
+    assert told == {"chooser": "random", "seed": 77}
 
 
 def test_vehicles_beyond_the_junction_reach_the_chooser(drive: Any, sumo: Sumo, signal: Signal) -> None:

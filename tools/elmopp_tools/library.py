@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 ABI_VERSION = 1
 NO_STAGE = -1
+TRAVEL_OF_SITE = 0xFFFFFFFF
 ASPECT_BYTES = 17
 MESSAGE_BYTES = 256
 REFUSED = 1
@@ -120,7 +121,7 @@ class CoreJunction:
         site: bytes,
         chooser: str | None = None,
         *,
-        travel_s: int = 0,
+        travel_s: int = TRAVEL_OF_SITE,
         seed: int = 0,
         weights: bytes | None = None,
         library: Path | None = None,

@@ -18,8 +18,6 @@ from elmopp_tools.sumo_report import number
 from elmopp_tools.sumo_signal import GREEN, Signal, Times, junction_of, letters
 
 TICKS_PER_S = 10
-FREE_FLOW_M_PER_S = 12.0  # 0.86 of 50 km/h: what drivers reach on the way to a stop line
-TRAVEL_MAX_S = 12
 
 # Slower than this inside a junction is in the way of whoever starts. SUMO's own halting is 0.1 m/s, but who has only
 # just begun to move on needs seconds to be gone; everybody who drives on is faster, also from a standing start at the
@@ -107,9 +105,8 @@ class Driver:
     def __init__(self, signal: Signal, times: Times, reach_m: float, chooser: str, seed: int) -> None:
         self._signal = signal
         self.waits = times.junction_wait_s > 0
-        travel_s = min(TRAVEL_MAX_S, round(reach_m / FREE_FLOW_M_PER_S))
         site = image_bytes(junction_of(signal, times, reach_m))
-        self._core = CoreJunction(site, chooser, travel_s=travel_s, seed=seed)
+        self._core = CoreJunction(site, chooser, seed=seed)
         self._shown = NO_STAGE
         self._state = ""
         self.drive([0.0] * len(signal.movements), [0.0] * len(signal.movements), None)
