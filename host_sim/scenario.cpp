@@ -28,10 +28,10 @@ constexpr double highest_speed_km_per_h = ELMOPP_SITE_LIMIT_MAX_KM_PER_H;
 
 /// The junctions that profile discrete knows by name.
 const std::map<std::string, const elmopp_junction_t *> &named_sites() {
-    static const std::map<std::string, const elmopp_junction_t *> sites{{"five_way", &elmopp_site_five_way},
-                                                                        {"four_way", &elmopp_site_four_way},
-                                                                        {"one_way", &elmopp_site_one_way},
-                                                                        {"three_way", &elmopp_site_three_way}};
+    static const std::map<std::string, const elmopp_junction_t *> sites{
+        {"five_way", &elmopp_site_five_way},         {"four_way", &elmopp_site_four_way},
+        {"left_lanes", &elmopp_site_left_lanes},     {"one_way", &elmopp_site_one_way},
+        {"shared_lanes", &elmopp_site_shared_lanes}, {"three_way", &elmopp_site_three_way}};
     return sites;
 }
 

@@ -82,7 +82,8 @@ void test_a_round_loses_every_change() {
 
 void test_the_cycle_is_a_smallest_one() {
     const std::pair<const elmopp_junction_t *, std::size_t> sizes[] = {
-        {&elmopp_site_four_way, 4}, {&elmopp_site_three_way, 3}, {&elmopp_site_five_way, 5}, {&elmopp_site_one_way, 2}};
+        {&elmopp_site_four_way, 4}, {&elmopp_site_three_way, 3},  {&elmopp_site_five_way, 5},
+        {&elmopp_site_one_way, 2},  {&elmopp_site_left_lanes, 3}, {&elmopp_site_shared_lanes, 2}};
     for (const auto &[site, size] : sizes) {
         Cycle cycle;
         cycle.prepare(*site);

@@ -102,8 +102,9 @@ std::vector<std::uint32_t> lamps_of(const ChooserSpec &spec, const elmopp_juncti
 }
 
 void test_every_chooser_names_a_stage_and_does_the_same_again() {
-    for (const auto *site : {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_one_way, &elmopp_site_paper,
-                             &elmopp_site_three_way}) {
+    for (const auto *site :
+         {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_left_lanes, &elmopp_site_one_way,
+          &elmopp_site_paper, &elmopp_site_shared_lanes, &elmopp_site_three_way}) {
         for (const auto &kind : chooser_kinds()) {
             const ChooserSpec spec = parse_chooser(kind.name);
             const auto lamps = lamps_of(spec, *site);

@@ -181,7 +181,7 @@ BAD_VALUES = [
     ("experiment --choosers naive,", '""', "naive, cumulative"),
     ("experiment --choosers naive@min=61", "61", "1 to 60"),
     ("experiment --profile paper,frob", '"frob"', "paper, saturation, figure, literal"),
-    ("experiment --profile discrete@site=frob", '"frob"', "four_way, one_way"),
+    ("experiment --profile discrete@site=frob", '"frob"', "four_way, left_lanes"),
     ("experiment --network grid:0x2", "grid:0x2", "ROWSxCOLUMNS"),
     ("experiment --network nowhere.toml", "nowhere.toml", "TOML network file"),
     ("experiment --network grid:2x2 --neighbours frob", '"frob"', "off, on, both"),
@@ -685,7 +685,7 @@ STREET_CHOOSERS = ["naive", "cumulative:ar8", "pressure", "itlc", "oaf", "fixed"
 
 
 def test_there_are_five_sites() -> None:
-    assert sorted(SITES_BY_NAME) == ["five_way", "four_way", "one_way", "paper", "three_way"]
+    assert sorted(SITES_BY_NAME) == ["five_way", "four_way", "left_lanes", "one_way", "paper", "shared_lanes", "three_way"]
 
 
 @pytest.mark.parametrize("name", sorted(SITES_BY_NAME))
