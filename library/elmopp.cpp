@@ -190,7 +190,7 @@ int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
     }
     // Only the chooser reads them, and the pilot asks it only in a second that it believes: none reads a refused one's.
     self->downstream_veh = *downstream_veh;
-    const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall};
+    const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall, nullptr};
     const bool believed = elmopp_pilot_step(&self->pilot, &counts, nullptr);
     self->occupied = believed && ours.occupied != 0;
     return believed ? ELMOPP_DONE : ELMOPP_REFUSED;

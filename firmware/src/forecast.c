@@ -238,6 +238,33 @@ uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, cons
     return hand_out(self, steps, rows);
 }
 
+static bool anybody_says(const elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX]) {
+    bool known = false;
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        known = known || elmopp_outflow_is_known(&outflow[i]);
+    }
+    return known;
+}
+
+uint16_t elmopp_forecast_hear(elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX],
+                              uint16_t asked, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
+    ELMOPP_ASSERT((asked <= ELMOPP_HORIZON_MAX) && (steps <= ELMOPP_HORIZON_MAX));
+    if (!anybody_says(self, outflow)) {
+        return steps;
+    }
+    const uint16_t length = (steps == 0U) ? asked : steps;
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        for (uint32_t t = 0U; t < length; t++) {
+            self->row_veh[i][t] = (steps == 0U) ? 0.0F : rows[i][t];
+        }
+        if (elmopp_outflow_is_known(&outflow[i])) {
+            elmopp_outflow_lay(&outflow[i], self->row_veh[i], length);
+        }
+        rows[i] = self->row_veh[i];
+    }
+    return length;
+}
+
 const float *elmopp_forecast_share(const elmopp_forecast_t *self) {
     return self->share;
 }

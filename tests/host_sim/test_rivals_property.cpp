@@ -90,7 +90,7 @@ std::vector<std::uint32_t> lamps_of(const ChooserSpec &spec, const elmopp_juncti
     lamps.reserve(seconds);
     for (unsigned t = 0; t < seconds; ++t) {
         vehicles.second(t, pilot.going);
-        const elmopp_counts_t counts{vehicles.present.data(), vehicles.arrived.data(), 0U};
+        const elmopp_counts_t counts{vehicles.present.data(), vehicles.arrived.data(), 0U, nullptr};
         TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &counts, nullptr));
         elmopp_lamps_t shown{};
         for (unsigned tick = 0; tick < ELMOPP_LAMP_TICKS_PER_S; ++tick) {

@@ -188,6 +188,8 @@ BAD_VALUES = [
     ("experiment --network grid:2x2 --profile paper", "paper", "only discrete"),
     ("experiment --network grid:2x2 --split 1,1,1", "--split", "grid:2x2"),
     ("experiment --neighbours on", "--neighbours on", "--network"),
+    ("experiment --link inproc", "--link inproc", "or a network"),
+    ("experiment --network grid:2x2 --link can:vcan0", "can:vcan0", "inproc"),
     ("experiment --vehicles 200,0", '"0"', "1 to 100000"),
     ("experiment --vehicles -5", '"-5"', "1 to 100000"),
     ("experiment --vehicles 200,abc", '"abc"', "1 to 100000"),
@@ -385,7 +387,7 @@ def test_an_interrupted_experiment_leaves_nothing(tmp_path: Path, number: signal
 
 OPTIONS = {
     "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split "
-    "network neighbours",
+    "network neighbours link",
     "run": "profile site chooser vehicles trial trace weights seconds log full summary link clock integrator seed "
     "mapping split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",

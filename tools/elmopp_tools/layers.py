@@ -41,6 +41,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "link": LEVEL_0,
     "lstm_f32": LEVEL_0,
     "monitor": LEVEL_0,
+    "outflow": LEVEL_0,
     "plan": LEVEL_0,
     "sight": LEVEL_0,
     "site": LEVEL_0,
@@ -48,17 +49,18 @@ ROOMS: dict[str, frozenset[str]] = {
     # level 2: what is learnt, for both models
     "weights": LEVEL_0 | {"ar8", "lstm_f32"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "weights"},
+    "forecast": LEVEL_0 | {"account", "ar8", "lstm_f32", "outflow", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
     "rollout": LEVEL_0 | {"account", "sight"},
     # level 2: what goes over the bus, in the core's words
-    "frames": LEVEL_0 | {"detector", "link"},
+    "frames": LEVEL_0 | {"detector", "link", "outflow"},
     # the other side of the bus, a device of its own
-    "lamp_node": LEVEL_0 | {"detector", "frames", "link"},
+    "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
     # level 4: the inner seam
-    "pilot": LEVEL_0 | {"account", "ar8", "forecast", "lstm_f32", "plan", "pressure", "site", "urgency", "weights"},
+    "pilot": LEVEL_0
+    | {"account", "ar8", "forecast", "lstm_f32", "outflow", "plan", "pressure", "site", "urgency", "weights"},
     # level 5: the outer seam
     "controller": LEVEL_0
     | {
@@ -70,6 +72,7 @@ ROOMS: dict[str, frozenset[str]] = {
         "link",
         "lstm_f32",
         "monitor",
+        "outflow",
         "pilot",
         "plan",
         "site",

@@ -22,7 +22,8 @@
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
 ///
-/// What it says is entered in an account of its error (account.h).
+/// What it says is entered in an account of its error (account.h). What neighbours announce (outflow.h) is laid over
+/// the beginning of rows afterwards.
 ///
 /// Owner: the pilot. Not thread-safe; bounded by ELMOPP_APPROACH_MAX times the steps asked for.
 
@@ -32,6 +33,7 @@
 #include "elmopp/account.h"
 #include "elmopp/ar8.h"
 #include "elmopp/junction.h"
+#include "elmopp/outflow.h"
 #include "elmopp/weights.h"
 
 #define ELMOPP_FORECAST_MEAN_WINDOW_S 900U ///< running mean and shares
@@ -89,6 +91,12 @@ uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const flo
 
 /// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to.
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
+
+/// Lays what neighbours say ([approach]) over rows that are there, of `steps` seconds; where there are none (0) over
+/// rows of nobody of `asked` seconds. Returns the steps of the rows, which are then the forecast's own memory. If no
+/// neighbour says anything, rows and steps stay as they are. The account knows nothing of it: it is of the forecast.
+uint16_t elmopp_forecast_hear(elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX],
+                              uint16_t asked, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
 /// True for the kinds lstm and nlstm.
 bool elmopp_forecast_is_network(const elmopp_forecast_t *self);
