@@ -19,7 +19,7 @@ static uint32_t sooner(uint32_t one, uint32_t other) {
 static void spread(const elmopp_outflow_t *self, uint32_t from_s, uint32_t until_s, float vehicles, float *row_veh,
                    uint32_t steps) {
     const uint32_t end_s = sooner(until_s, self->ahead_s);
-    const uint32_t seconds = (end_s > from_s) ? (end_s - from_s) : 0U;
+    const uint32_t seconds = end_s - sooner(from_s, end_s);
     const float each_veh = ((seconds > 0U) && (vehicles > 0.0F)) ? (vehicles / (float)seconds) : 0.0F;
     for (uint32_t k = 0U; k < seconds; k++) {
         const uint32_t at_s = from_s + k;

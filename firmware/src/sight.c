@@ -38,7 +38,8 @@ elmopp_sight_options_t elmopp_sight_defaults(uint16_t travel_s) {
 }
 
 elmopp_sight_options_t elmopp_sight_of_site(const elmopp_junction_t *junction) {
-    elmopp_sight_options_t options = elmopp_sight_defaults((uint16_t)ELMOPP_SIGHT_TRAVEL_MAX_S);
+    elmopp_sight_options_t options;
+    options = elmopp_sight_defaults((uint16_t)ELMOPP_SIGHT_TRAVEL_MAX_S);
     for (uint32_t j = 0U; j < junction->movement_count; j++) {
         options.travel_s[j] = elmopp_sight_travel_s(junction, j);
     }

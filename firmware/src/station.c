@@ -14,7 +14,8 @@ static elmopp_chooser_t urgency_of(elmopp_urgency_t *urgency, const elmopp_junct
 }
 
 static elmopp_chooser_t rollout_of(elmopp_rollout_t *rollout, const elmopp_junction_t *junction) {
-    elmopp_rollout_options_t options = elmopp_rollout_defaults(0U);
+    elmopp_rollout_options_t options;
+    options = elmopp_rollout_defaults(0U);
     options.sight = elmopp_sight_of_site(junction);
     options.min_s = junction->hold_min_s;
     options.max_s = junction->hold_max_s;

@@ -686,8 +686,10 @@ SITES_BY_NAME = {toml.stem: toml for toml in SITES}
 STREET_CHOOSERS = ["naive", "cumulative:ar8", "pressure", "itlc", "oaf", "fixed"]
 
 
-def test_there_are_five_sites() -> None:
-    assert sorted(SITES_BY_NAME) == ["five_way", "four_way", "left_lanes", "one_way", "paper", "shared_lanes", "three_way"]
+def test_there_are_seven_sites() -> None:
+    assert sorted(SITES_BY_NAME) == [
+        "five_way", "four_way", "left_lanes", "one_way", "paper", "shared_lanes", "three_way",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", sorted(SITES_BY_NAME))

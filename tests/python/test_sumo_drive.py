@@ -275,10 +275,18 @@ class Noted:
         self.waits = waits
         self.told: list[tuple[list[float], list[float], list[float]]] = []
         self.occupied: list[bool] = []
+        self.announced: list[object] = []
 
     def drive(
-        self, present_veh: list[float], arrived_veh: list[float], downstream_veh: list[float], *, occupied: bool
+        self,
+        present_veh: list[float],
+        arrived_veh: list[float],
+        downstream_veh: list[float],
+        *,
+        occupied: bool,
+        announced: object,
     ) -> None:
+        self.announced.append(announced)
         self.told.append((list(present_veh), list(arrived_veh), list(downstream_veh)))
         self.occupied.append(occupied)
 
@@ -291,6 +299,15 @@ def test_only_who_waits_for_it_is_told_of_an_occupied_junction(drive: Any, sumo:
     sumo.lanes = {}
     street.second()
     assert [driver.occupied for driver in drivers] == [[False, False], [True, False]]
+
+
+def test_everybody_hears_what_his_own_neighbours_say(drive: Any, signal: Signal) -> None:
+    drivers = [Noted(), Noted()]
+    gateways = [SimpleNamespace(listen=lambda: ["to the first"]), SimpleNamespace(listen=lambda: ["to the second"])]
+    drive.Street([signal, signal], [sight(), sight()], drivers, gateways).second()
+    assert [driver.announced for driver in drivers] == [[["to the first"]], [["to the second"]]]
+    drive.Street([signal, signal], [sight(), sight()], drivers).second()
+    assert [driver.announced[-1] for driver in drivers] == [(), ()]
 
 
 def test_everybody_decides_with_the_counts_of_this_second(drive: Any, sumo: Sumo, signal: Signal) -> None:

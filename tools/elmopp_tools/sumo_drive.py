@@ -11,8 +11,9 @@ from collections.abc import Sequence
 
 import libsumo
 
-from elmopp_tools.library import NO_STAGE, CoreJunction
+from elmopp_tools.library import NO_STAGE, Announced, CoreJunction
 from elmopp_tools.site_image import image_bytes
+from elmopp_tools.sumo_neighbours import Gateway
 from elmopp_tools.sumo_network import Sight
 from elmopp_tools.sumo_report import number
 from elmopp_tools.sumo_signal import GREEN, Signal, Times, junction_of, letters
@@ -118,9 +119,10 @@ class Driver:
         downstream_veh: Sequence[float] | None,
         *,
         occupied: bool = False,
+        announced: Sequence[Announced] = (),
     ) -> None:
         """Decides for the coming second and shows it. Lamps change at its beginning: all times are whole seconds."""
-        self._core.count(present_veh, arrived_veh, downstream_veh, occupied=occupied)
+        self._core.count(present_veh, arrived_veh, downstream_veh, occupied=occupied, announced=announced)
         aspects = self._core.tick()
         if self._core.stage != NO_STAGE:
             self._shown = self._core.stage
@@ -173,13 +175,20 @@ class Watch:
 
 
 class Street:
-    """All signals of a network, second by second."""
+    """All signals of a network, second by second. With gateways, one a signal, neighbours speak."""
 
-    def __init__(self, signals: Sequence[Signal], sights: Sequence[Sight], drivers: Sequence[Driver]) -> None:
+    def __init__(
+        self,
+        signals: Sequence[Signal],
+        sights: Sequence[Sight],
+        drivers: Sequence[Driver],
+        gateways: Sequence[Gateway] = (),
+    ) -> None:
         self._cameras = [Camera(signal, sight) for signal, sight in zip(signals, sights, strict=True)]
         self._watches = [Watch(signal) for signal in signals]
         self._junction_cameras = [JunctionCamera(sight) for sight in sights]
         self._drivers = drivers
+        self._gateways = gateways
         seen = {
             view.lane: (camera, view.parts)
             for camera, sight in zip(self._cameras, sights, strict=True)
@@ -197,7 +206,9 @@ class Street:
         for index, driver in enumerate(self._drivers):
             camera = self._cameras[index]
             occupied = driver.waits and self._junction_cameras[index].is_occupied()
-            driver.drive(camera.present_veh, camera.arrived_veh, self._downstream_veh(index), occupied=occupied)
+            announced = self._gateways[index].listen() if self._gateways else ()
+            behind_veh = self._downstream_veh(index)
+            driver.drive(camera.present_veh, camera.arrived_veh, behind_veh, occupied=occupied, announced=announced)
 
     def _downstream_veh(self, index: int) -> list[float]:
         """For each movement the vehicles that wait at the next signal on its ways on, their mean; 0 behind the last."""
