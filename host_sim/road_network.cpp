@@ -187,19 +187,20 @@ std::size_t side_index(const std::string &where, const std::string &side) {
     return static_cast<std::size_t>(*index);
 }
 
+void tell_apart(RoadText &road, const std::string &where, const std::string &key, const nlohmann::json &value) {
+    if (key != "length_m" && key != "speed_km_per_h") {
+        throw BadRequest(where + ": unknown \"" + key + "\"; right would be length_m or speed_km_per_h");
+    }
+    if (!value.is_number()) {
+        throw BadRequest(where + ": " + key + " is " + value.dump() + "; right would be a number");
+    }
+    (key == "length_m" ? road.length_m : road.speed_km_per_h) = value.get<double>();
+}
+
 RoadText road_of_json(const std::string &where, const nlohmann::json &json) {
     RoadText road;
     for (const auto &[key, value] : json.items()) {
-        if (!value.is_number()) {
-            throw BadRequest(where + ": " + key + " is " + value.dump() + "; right would be a number");
-        }
-        if (key == "length_m") {
-            road.length_m = value.get<double>();
-        } else if (key == "speed_km_per_h") {
-            road.speed_km_per_h = value.get<double>();
-        } else {
-            throw BadRequest(where + ": unknown \"" + key + "\"; right would be length_m or speed_km_per_h");
-        }
+        tell_apart(road, where, key, value);
     }
     return road;
 }

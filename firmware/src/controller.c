@@ -247,7 +247,7 @@ bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *fra
         if (taken) {
             take_occupancy(self, frame);
         }
-    } else if (neighbour < self->junction->approach_count) {
+    } else if ((neighbour < ELMOPP_APPROACH_MAX) && (neighbour < self->junction->approach_count)) {
         taken = is_believed(&self->bus.neighbour[neighbour], frame, NEIGHBOUR_TIMEOUT_DS);
         if (taken) {
             self->bus.outflow[neighbour] = elmopp_frames_outflow(frame);
