@@ -26,25 +26,30 @@ void drop_excess(std::vector<double> &due_veh, double present_veh) {
 void Approaching::observe(const elmopp_view_t &view) {
     const std::size_t movements = view.junction->movement_count;
     queued_veh_.resize(movements);
-    due_veh_.resize(movements, std::vector<double>(travel_s_, 0.0));
+    due_veh_.resize(movements);
     for (std::size_t j = 0; j < movements; ++j) {
         auto &due_veh = due_veh_[j];
-        if (travel_s_ > 0) {
+        due_veh.resize(travel_s(j), 0.0);
+        if (!due_veh.empty()) {
             std::rotate(due_veh.begin(), due_veh.begin() + 1, due_veh.end());
             due_veh.back() = static_cast<double>(view.arrivals_veh[j]);
             drop_excess(due_veh, queue_of(view, j));
         }
-        queued_veh_[j] = std::max(0.0, queue_of(view, j) - due_within_veh(j, travel_s_));
+        queued_veh_[j] = std::max(0.0, queue_of(view, j) - due_within_veh(j, travel_s(j)));
     }
 }
 
+unsigned Approaching::longest_travel_s() const {
+    return *std::max_element(travel_s_.begin(), travel_s_.end());
+}
+
 double Approaching::due_veh(std::size_t movement, unsigned second) const {
-    return second < travel_s_ ? due_veh_[movement][second] : 0.0;
+    return second < travel_s(movement) ? due_veh_[movement][second] : 0.0;
 }
 
 double Approaching::due_within_veh(std::size_t movement, unsigned seconds) const {
     const auto &due_veh = due_veh_[movement];
-    return std::accumulate(due_veh.begin(), due_veh.begin() + std::min(seconds, travel_s_), 0.0);
+    return std::accumulate(due_veh.begin(), due_veh.begin() + std::min(seconds, travel_s(movement)), 0.0);
 }
 
 void MeanFlow::observe(const elmopp_view_t &view) {

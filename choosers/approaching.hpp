@@ -5,11 +5,11 @@
 /// how many come.
 ///
 /// A camera says how many are there and how many came. Who came less than travel_s ago drives, in the order of arrival;
-/// if fewer are there than drive, the oldest have left early. With travel_s = 0 everybody is queued.
+/// if fewer are there than drive, the oldest have left early. With a travel time of 0 everybody is queued.
 
 #pragma once
 
-#include "core.hpp"
+#include "setting.hpp"
 
 #include <cstddef>
 #include <vector>
@@ -18,14 +18,17 @@ namespace elmopp {
 
 class Approaching {
   public:
-    explicit Approaching(unsigned travel_s = 0) : travel_s_(travel_s) {}
+    Approaching() = default;
+    explicit Approaching(const Travel &travel_s) : travel_s_(travel_s) {}
 
     /// Once a second, in the intergreen too. At the first call all but the last second's arrivals are queued.
     void observe(const elmopp_view_t &view);
 
-    [[nodiscard]] unsigned travel_s() const {
-        return travel_s_;
+    [[nodiscard]] unsigned travel_s(std::size_t movement) const {
+        return travel_s_.at(movement);
     }
+    /// Of all movements.
+    [[nodiscard]] unsigned longest_travel_s() const;
     [[nodiscard]] double queued_veh(std::size_t movement) const {
         return queued_veh_[movement];
     }
@@ -35,7 +38,7 @@ class Approaching {
     [[nodiscard]] double due_within_veh(std::size_t movement, unsigned seconds) const;
 
   private:
-    unsigned travel_s_;
+    Travel travel_s_{};
     std::vector<double> queued_veh_;
     std::vector<std::vector<double>> due_veh_; ///< [movement][second]
 };

@@ -159,8 +159,10 @@ std::uint16_t bound_or(const ChooserSpec &spec, const std::string &option, unsig
 }
 
 elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setting &setting) {
-    const unsigned travel_s = std::min(setting.travel_s, ELMOPP_SIGHT_TRAVEL_MAX_S);
-    elmopp_rollout_options_t options = elmopp_rollout_defaults(static_cast<std::uint16_t>(travel_s));
+    elmopp_rollout_options_t options = elmopp_rollout_defaults(0);
+    std::transform(
+        setting.travel_s.begin(), setting.travel_s.end(), std::begin(options.sight.travel_s),
+        [](unsigned travel_s) { return static_cast<std::uint16_t>(std::min(travel_s, ELMOPP_SIGHT_TRAVEL_MAX_S)); });
     std::tie(options.future.min_s, options.future.max_s) = rival_window_of(spec, setting);
     elmopp_coming_options_t &coming = options.coming;
     coming.horizon_s = seconds_or(spec, "horizon", coming.horizon_s, 1, ELMOPP_HORIZON_MAX);

@@ -139,7 +139,7 @@ void ItlcRounds::give(const elmopp_view_t &view, elmopp_stage_t stage) {
     for_served(view, stage, [&](std::size_t j) {
         const double lost_s = serves(view, view.target, j) ? 0.0 : startup_s(*view.junction, j);
         green_s = std::max(green_s, lost_s + crossing_s(view, j, ready_of(view, j)));
-        for (unsigned second = 0; second < approaching.travel_s(); ++second) { // the farthest has to come first
+        for (unsigned second = 0; second < approaching.travel_s(j); ++second) { // the farthest has to come first
             green_s = approaching.due_veh(j, second) > 0.0 ? std::max(green_s, second + 1.0) : green_s;
         }
     });

@@ -36,9 +36,10 @@ double SelfControl::clearing_s(const elmopp_view_t &view, std::size_t movement, 
     const double rate = present_flow_veh_per_s(view, movement);
     const double come_veh = flow.veh_per_s(movement);
     const double spare = std::max(rate - come_veh, least_spare_flow * rate);
-    double green_s = (queue_of(view, movement) + come_veh * std::max(0.0, before_s - approaching.travel_s())) / spare;
+    double green_s =
+        (queue_of(view, movement) + come_veh * std::max(0.0, before_s - approaching.travel_s(movement))) / spare;
     // Who is still on his way cannot leave before he is there.
-    for (unsigned second = 0; second < approaching.travel_s(); ++second) {
+    for (unsigned second = 0; second < approaching.travel_s(movement); ++second) {
         const double wait_s = second + 1.0 - before_s;
         green_s = approaching.due_veh(movement, second) > 0.0 ? std::max(green_s, wait_s) : green_s;
     }
@@ -48,7 +49,7 @@ double SelfControl::clearing_s(const elmopp_view_t &view, std::size_t movement, 
 /// Vehicles that are at the stop line until a green of this length, which begins after before_s, is over.
 double SelfControl::expected_veh(std::size_t movement, double before_s, double green_s) const {
     const double end_s = before_s + green_s;
-    const double beyond_s = std::max(0.0, end_s - approaching.travel_s());
+    const double beyond_s = std::max(0.0, end_s - approaching.travel_s(movement));
     const auto seconds = static_cast<unsigned>(std::ceil(end_s));
     return approaching.queued_veh(movement) + approaching.due_within_veh(movement, seconds) +
            flow.veh_per_s(movement) * beyond_s;

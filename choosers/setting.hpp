@@ -7,15 +7,26 @@
 
 #include "core.hpp"
 
+#include <array>
 #include <cstdint>
 
 namespace elmopp {
+
+/// [movement] seconds from the edge of the counted reach to the stop line at free flow; 0: who is counted is queued.
+using Travel = std::array<unsigned, ELMOPP_MOVEMENT_MAX>;
+
+/// The same on every movement.
+inline Travel everywhere(unsigned travel_s) {
+    Travel travel{};
+    travel.fill(travel_s);
+    return travel;
+}
 
 struct Setting {
     const elmopp_junction_t &junction; ///< must outlive the chooser
     bool own_site;                     ///< a site file's junction, whose window holds for everybody; not the paper's
     bool literal = false;              ///< Algorithm 1 as printed, for the choosers of the paper
-    unsigned travel_s = 0; ///< from the edge of the counted reach to the stop line at free flow; 0: all are queued
+    Travel travel_s{};
     std::uint64_t seed = 1;
     /// [movement] vehicles on the road that the movement leads to; null: nothing is known. Kept up to date by its
     /// owner, must outlive the chooser.

@@ -258,7 +258,7 @@ std::vector<Cluster> Surtrac::clusters_of(const elmopp_view_t &view, std::uint32
     for (std::uint32_t j = 0; j < view.junction->movement_count; ++j) {
         growing.vehicles[j] = elmopp_mask_has(movements, j) ? approaching.queued_veh(j) : 0.0;
     }
-    for (unsigned second = 0; second < approaching.travel_s(); ++second) {
+    for (unsigned second = 0; second < approaching.longest_travel_s(); ++second) {
         for (std::uint32_t j = 0; j < view.junction->movement_count; ++j) {
             const double due_veh = elmopp_mask_has(movements, j) ? approaching.due_veh(j, second) : 0.0;
             if (due_veh <= 0.0) {
@@ -281,7 +281,7 @@ std::vector<Cluster> Surtrac::clusters_of(const elmopp_view_t &view, std::uint32
 
 /// Who will come after those that are seen.
 void Surtrac::add_mean_flow(const elmopp_view_t &view, std::uint32_t movements, std::vector<Cluster> &clusters) const {
-    const double seen_s = approaching.travel_s();
+    const double seen_s = approaching.longest_travel_s();
     const double piece_s = (horizon_s - seen_s) / pieces;
     for (unsigned i = 0; piece_s > 0.0 && i < pieces; ++i) {
         Cluster cluster{seen_s + i * piece_s, seen_s + (i + 1) * piece_s, 0.0, piece_s, 0.0};

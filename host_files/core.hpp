@@ -14,6 +14,7 @@ extern "C" {
 #include "elmopp/image.h"
 #include "elmopp/junction.h"
 #include "elmopp/lstm_f32.h"
+#include "elmopp/outflow.h"
 #include "elmopp/pilot.h"
 #include "elmopp/plan.h"
 #include "elmopp/pressure.h"

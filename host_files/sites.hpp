@@ -16,8 +16,10 @@
 extern "C" {
 extern const elmopp_junction_t elmopp_site_five_way;
 extern const elmopp_junction_t elmopp_site_four_way;
+extern const elmopp_junction_t elmopp_site_left_lanes;
 extern const elmopp_junction_t elmopp_site_one_way;
 extern const elmopp_junction_t elmopp_site_paper;
+extern const elmopp_junction_t elmopp_site_shared_lanes;
 extern const elmopp_junction_t elmopp_site_three_way;
 }
 

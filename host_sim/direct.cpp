@@ -18,9 +18,6 @@ class Direct final : public Control {
           arrived_veh_(scenario.capacity_veh.size()) {
         const elmopp_forecast_config_t config = forecast_of(spec, demand);
         elmopp_pilot_init(&pilot_, &scenario.junction, &plugged_->chooser, &config);
-        if (demand.announced != nullptr) {
-            elmopp_forecast_init(&base_, &scenario.junction, &config);
-        }
         Arrivals(scenario, demand).absorb_known(pilot_, 0);
     }
 
@@ -30,12 +27,10 @@ class Direct final : public Control {
             arrived_veh_[j] = static_cast<float>(world.arrived_veh()[j]);
         }
         occupied_ = world.junction_occupied().value_or(false);
-        const elmopp_counts_t counts{present_veh_.data(), arrived_veh_.data(), 0U};
-        const bool told = demand_.announced != nullptr;
-        const bool given = oracle_ || told || demand_.foresight != nullptr;
-        const elmopp_foreseen_t foreseen = told    ? rows_with_neighbours(t_s)
-                                           : given ? rows_from_outside(t_s)
-                                                   : elmopp_foreseen_t{};
+        const elmopp_counts_t counts{present_veh_.data(), arrived_veh_.data(), 0U,
+                                     demand_.announced != nullptr ? demand_.announced->data() : nullptr};
+        const bool given = oracle_ || demand_.foresight != nullptr;
+        const elmopp_foreseen_t foreseen = given ? rows_from_outside(t_s) : elmopp_foreseen_t{};
         if (!elmopp_pilot_step(&pilot_, &counts, given ? &foreseen : nullptr)) {
             throw Failure("second " + std::to_string(t_s) + ": the pilot refused the counts");
         }
@@ -68,57 +63,6 @@ class Direct final : public Control {
         return foreseen;
     }
 
-    /// The forecast's rows, told what the neighbours have announced: as long as the road takes, nobody comes whom they
-    /// do not know of. Without a forecast, and with the oracle's, it is laid over their beginning here.
-    elmopp_foreseen_t rows_with_neighbours(std::size_t t_s) {
-        elmopp_foreseen_t foreseen{};
-        const float *rows[ELMOPP_APPROACH_MAX] = {};
-        elmopp_forecast_observe(&base_, arrived_veh_.data());
-        for (std::uint32_t i = 0; i < scenario_.junction.approach_count; ++i) {
-            if ((*demand_.announced)[i].is_announced) {
-                announce((*demand_.announced)[i], told_veh_[i]);
-                elmopp_forecast_tell(&base_, i, told_veh_[i].data(), sure_of((*demand_.announced)[i]));
-            }
-        }
-        (void)elmopp_forecast_look(&base_, ELMOPP_HORIZON_MAX, rows);
-        foreseen.steps = ELMOPP_HORIZON_MAX;
-        for (std::size_t i = 0; i < scenario_.junction.approach_count; ++i) {
-            const float *row = oracle_ ? &demand_.future_veh[i][t_s] : rows[i];
-            if (row == nullptr) {
-                scaled_veh_[i].fill(0.0F); // forecast none
-            } else {
-                std::copy_n(row, scaled_veh_[i].size(), scaled_veh_[i].begin());
-            }
-            if ((*demand_.announced)[i].is_announced) {
-                std::copy_n(told_veh_[i].begin(), sure_of((*demand_.announced)[i]), scaled_veh_[i].begin());
-            }
-            foreseen.row_veh[i] = scaled_veh_[i].data();
-        }
-        return foreseen;
-    }
-
-    /// The seconds of which an announcement says who comes.
-    static std::uint16_t sure_of(const Announced &announced) {
-        return static_cast<std::uint16_t>(std::min<std::size_t>(announced_span_s, announced.sure_s));
-    }
-
-    static constexpr std::size_t announced_span_s = 60; ///< of NeighbourOutflow
-    using Row = std::array<float, ELMOPP_HORIZON_MAX>;
-
-    /// The vehicles of each span of the frame, evenly over its seconds as far as they are sure.
-    static void announce(const Announced &announced, Row &row) {
-        const auto spread = [&](std::size_t from_s, std::size_t until_s, unsigned tenths) {
-            const std::size_t end_s = std::min(until_s, announced.sure_s);
-            for (std::size_t k = from_s; k < end_s; ++k) {
-                row[k] = static_cast<float>(tenths) / (10.0F * static_cast<float>(end_s - from_s));
-            }
-        };
-        const Outflow &outflow = announced.outflow;
-        spread(0, 10, outflow.next10);
-        spread(10, 30, outflow.next30 - outflow.next10);
-        spread(30, announced_span_s, outflow.next60 - outflow.next30);
-    }
-
     const Scenario &scenario_;
     const Demand &demand_;
     bool oracle_;
@@ -127,7 +71,6 @@ class Direct final : public Control {
     std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> scaled_veh_{};
     std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> told_veh_{};
     elmopp_pilot_t pilot_{};
-    elmopp_forecast_t base_{}; ///< as the pilot's own, for rows that neighbours add to
     std::vector<float> present_veh_;
     std::vector<float> arrived_veh_;
 };

@@ -38,7 +38,7 @@ Foresight foresee(const std::string &forecast, const elmopp_weights_t &weights, 
     arrivals.absorb_known(pilot, 0);
     const std::vector<float> nobody(scenario.junction.movement_count, 0.0F);
     for (std::size_t t = 0; t < seconds; ++t) {
-        const elmopp_counts_t counts{nobody.data(), arrivals.at(demand.origin + t), 0U};
+        const elmopp_counts_t counts{nobody.data(), arrivals.at(demand.origin + t), 0U, nullptr};
         if (!elmopp_pilot_step(&pilot, &counts, nullptr)) {
             throw Failure("second " + std::to_string(t) + ": the pilot refused the counts");
         }

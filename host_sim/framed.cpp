@@ -48,6 +48,18 @@ class Street {
         return frames;
     }
 
+    /// What a gateway to the neighbours sends once a second.
+    std::vector<elmopp_frame_t> outflow(const Announced &announced) {
+        std::vector<elmopp_frame_t> frames;
+        for (std::uint32_t i = 0; i < junction_.approach_count; ++i) {
+            if (announced.at(i).ahead_s > 0) {
+                frames.push_back(elmopp_frames_make_outflow(i, &announced.at(i)));
+                elmopp_link_seal(&frames.back(), &gateway_counter_.at(i));
+            }
+        }
+        return frames;
+    }
+
     /// What the junction camera sends in a lamp tick: one frame in two, to a site that listens.
     std::vector<elmopp_frame_t> occupancy(std::optional<bool> occupied) {
         std::vector<elmopp_frame_t> frames;
@@ -97,6 +109,7 @@ class Street {
     std::vector<double> total_veh_;
     std::array<std::uint8_t, ELMOPP_APPROACH_MAX> camera_counter_{};
     std::array<std::uint8_t, ELMOPP_NODE_MAX> node_counter_{};
+    std::array<std::uint8_t, ELMOPP_APPROACH_MAX> gateway_counter_{};
     std::uint8_t occupancy_counter_ = 0;
     unsigned occupancy_ticks_ = 0;
 };
@@ -196,13 +209,17 @@ class Heard {
 class Framed final : public Control {
   public:
     Framed(const Scenario &scenario, const Demand &demand, std::unique_ptr<Link> link)
-        : link_(std::move(link)), street_(scenario.junction) {
+        : link_(std::move(link)), street_(scenario.junction), announced_(demand.announced) {
         start(scenario, demand);
     }
 
     void count(const Counted &world, std::size_t /*t_s*/) override {
         occupied_ = world.junction_occupied();
         count(world.queue_veh(), world.arrived_veh());
+        if (announced_ != nullptr) {
+            const auto frames = street_.outflow(*announced_);
+            pending_.insert(pending_.end(), frames.begin(), frames.end());
+        }
     }
 
     elmopp_lamps_t lamp_tick() override {
@@ -240,7 +257,9 @@ class Framed final : public Control {
         const std::size_t start_s = self_test_and_cameras_s + own_ds / ELMOPP_LAMP_TICKS_PER_S + 1;
         const std::vector<double> nobody(junction.movement_count);
         Arrivals arrivals(scenario, demand);
-        for (std::size_t t = std::max(start_s, link_->history_s()); t > 0; --t) {
+        // Nobody knows the past of a network: a replay of nothing would teach the forecasts that nobody comes.
+        const std::size_t history_s = demand.veh_per_s[0].empty() ? 0 : link_->history_s();
+        for (std::size_t t = std::max(start_s, history_s); t > 0; --t) {
             std::vector<double> arrived = nobody;
             if (demand.origin >= t) {
                 std::copy_n(arrivals.at(demand.origin - t), arrived.size(), arrived.begin());
@@ -259,6 +278,7 @@ class Framed final : public Control {
 
     std::unique_ptr<Link> link_;
     Street street_;
+    const Announced *announced_; ///< null: no neighbour speaks
     Heard heard_;
     std::vector<elmopp_frame_t> pending_;
     std::optional<bool> occupied_; ///< nothing: nobody knows

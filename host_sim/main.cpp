@@ -203,6 +203,9 @@ NetworkRequest network_request(const CLI::App &command, const Texts &texts) {
     request.choosers = plain.choosers;
     request.neighbours = one_of<std::vector<bool>>("--neighbours", texts.neighbours,
                                                    {{"off", {false}}, {"on", {true}}, {"both", {false, true}}});
+    if (command.count("--link") > 0) {
+        request.framed = one_of<bool>("--link", texts.link, {{"inproc", true}});
+    }
     request.vehicles = plain.vehicles;
     request.trials = plain.trials;
     request.seed = plain.seed;
@@ -217,6 +220,9 @@ void run_either(const CLI::App &command, const Texts &texts) {
     }
     if (command.count("--neighbours") > 0) {
         throw BadRequest("--neighbours " + texts.neighbours + " without --network: right would be one with the other");
+    }
+    if (command.count("--link") > 0) {
+        throw BadRequest("--link " + texts.link + " without --network: right would be host_sim run, or a network");
     }
     run_experiment(experiment_request(command, texts));
 }
@@ -241,6 +247,8 @@ void add_experiment(CLI::App &app, Texts &texts) {
            "Several junctions under profile discrete: grid:ROWSxCOLUMNS or a .toml file; N to every arm from outside");
     option("--neighbours", texts.neighbours, "NAME", "With --network: announced outflow off, on or both, in pairs")
         ->capture_default_str();
+    option("--link", texts.link, "NAME",
+           "With --network: inproc, every controller through its frames, what neighbours announce among them");
     command->add_flag("--no-figures", texts.no_figures, "Leave the figures out");
     add_traffic_options(command, texts);
     command->callback([command, &texts] { run_either(*command, texts); });

@@ -111,8 +111,8 @@ ArmPlan make_arm(const NetworkText &text, std::vector<Scenario> &scenarios, std:
     if (!side) {
         throw BadRequest(where + ": comes from no side; right would be a site whose approaches are N, E, S or W");
     }
-    const Surroundings &street = scenario.surroundings();
-    ArmPlan arm{street.length_m, street.speed_m_per_s, ways_of(scenario.junction, approach, scenario.share), true};
+    const Road &road = scenario.surroundings().roads[approach];
+    ArmPlan arm{road.length_m, road.speed_m_per_s, ways_of(scenario.junction, approach, scenario.share), true};
     std::vector<Turn> turns;
     for (std::size_t j = 0; j < scenario.junction.movement_count; ++j) {
         if (scenario.junction.movement[j].approach == approach) {
@@ -153,6 +153,23 @@ void follow(const ArmPlan &arm, Scenario &scenario) {
     }
 }
 
+/// The roads of a junction that differ from the others.
+void pave(const NetworkText &text, const Node &node, Scenario &scenario) {
+    for (int side = 0; side < side_count; ++side) {
+        const RoadText &road = node.roads.at(static_cast<std::size_t>(side));
+        if (!road.speed_km_per_h && !road.length_m) {
+            continue;
+        }
+        const std::string where = "network " + text.name + ", junction " + node.name + ", road " + side_name(side);
+        const auto approach = approach_of(scenario.junction, side);
+        if (!approach) {
+            throw BadRequest(where + ": site " + node.site +
+                             " has no approach from there; right would be a side that has one");
+        }
+        scenario.pave(*approach, road.speed_km_per_h, road.length_m, where + ": ");
+    }
+}
+
 unsigned side_length(const std::string &text, const std::string &word) {
     double value = 0.0;
     if (!parse_number(word, value) || !(value >= 1.0 && value <= most_in_a_row) ||
@@ -160,6 +177,32 @@ unsigned side_length(const std::string &text, const std::string &word) {
         throw BadRequest("--network \"" + text + "\": right would be grid:ROWSxCOLUMNS with 1 to 16 each, or a file");
     }
     return static_cast<unsigned>(value);
+}
+
+std::size_t side_index(const std::string &where, const std::string &side) {
+    const auto index = side_named(side);
+    if (!index) {
+        throw BadRequest(where + "\"" + side + "\"; right would be N, E, S or W");
+    }
+    return static_cast<std::size_t>(*index);
+}
+
+void tell_apart(RoadText &road, const std::string &where, const std::string &key, const nlohmann::json &value) {
+    if (key != "length_m" && key != "speed_km_per_h") {
+        throw BadRequest(where + ": unknown \"" + key + "\"; right would be length_m or speed_km_per_h");
+    }
+    if (!value.is_number()) {
+        throw BadRequest(where + ": " + key + " is " + value.dump() + "; right would be a number");
+    }
+    (key == "length_m" ? road.length_m : road.speed_km_per_h) = value.get<double>();
+}
+
+RoadText road_of_json(const std::string &where, const nlohmann::json &json) {
+    RoadText road;
+    for (const auto &[key, value] : json.items()) {
+        tell_apart(road, where, key, value);
+    }
+    return road;
 }
 
 NetworkText of_json(const nlohmann::json &json) {
@@ -171,12 +214,13 @@ NetworkText of_json(const nlohmann::json &json) {
         node.site = junction.at("site").get<std::string>();
         const nlohmann::json neighbours = junction.value("neighbours", nlohmann::json::object());
         for (const auto &[side, name] : neighbours.items()) {
-            const auto index = side_named(side);
-            if (!index) {
-                throw BadRequest("network " + text.name + ", junction " + node.name + ": neighbour at side \"" + side +
-                                 "\"; right would be N, E, S or W");
-            }
-            node.neighbours.at(static_cast<std::size_t>(*index)) = name.get<std::string>();
+            const std::string where = "network " + text.name + ", junction " + node.name + ", neighbour at side ";
+            node.neighbours.at(side_index(where, side)) = name.get<std::string>();
+        }
+        const nlohmann::json roads = junction.value("roads", nlohmann::json::object());
+        for (const auto &[side, road] : roads.items()) {
+            const std::string where = "network " + text.name + ", junction " + node.name + ", road ";
+            node.roads.at(side_index(where, side)) = road_of_json(where + side, road);
         }
         text.nodes.push_back(std::move(node));
     }
@@ -217,7 +261,8 @@ NetworkText grid(unsigned rows, unsigned columns) {
             text.nodes.push_back(
                 {name(row, column),
                  "four_way",
-                 {name(row - 1, column), name(row, column + 1), name(row + 1, column), name(row, column - 1)}});
+                 {name(row - 1, column), name(row, column + 1), name(row + 1, column), name(row, column - 1)},
+                 {}});
         }
     }
     text.adjacency.assign(text.nodes.size(), std::vector<Entry>(text.nodes.size(), Entry{0, 0, 0}));
@@ -265,6 +310,7 @@ Network make_network(const NetworkText &text, const std::string &profile) {
         if (!scenario.street) {
             throw BadRequest("profile " + profile + " with --network: right would be discrete");
         }
+        pave(text, node, scenario);
         network.scenarios.push_back(std::move(scenario));
     }
     for (std::size_t v = 0; v < text.nodes.size(); ++v) {

@@ -5,7 +5,9 @@
 ///
 /// Entry (i, j) of the tensor are the left, middle and right lanes that the road from junction i has at junction j; a
 /// road is there if any of them is. Where a turn has no lane nobody turns and its movement has no storage, the paper's
-/// dead edge. Roads from and to the world outside are not in the tensor. It says where roads lead and runs nothing.
+/// dead edge. Roads from and to the world outside are not in the tensor. Every road has the length and the limit of its
+/// network unless it is told apart at the junction to which it leads, by the side from which it comes. It says where
+/// roads lead and runs nothing.
 
 #pragma once
 
@@ -13,6 +15,7 @@
 #include "street_plan.hpp"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,11 +25,18 @@ namespace elmopp {
 using Entry = std::array<int, 3>;
 using Tensor = std::vector<std::vector<Entry>>; ///< [tail][head]
 
+/// How a road differs from the others of its network; no value: it does not.
+struct RoadText {
+    std::optional<double> length_m;
+    std::optional<double> speed_km_per_h;
+};
+
 /// One junction as described.
 struct Node {
     std::string name;
     std::string site;
     std::array<std::string, 4> neighbours; ///< [side] the junction there; empty: the world outside
+    std::array<RoadText, 4> roads{};       ///< [side] the road that comes from there
 };
 
 /// A network as described.

@@ -18,6 +18,7 @@ namespace elmopp {
 namespace {
 
 constexpr unsigned trial_bits = 20; ///< a junction draws as if it were a trial far away
+constexpr float tenths_per_veh = 10.0F;
 constexpr std::size_t seconds_of_trial = simulated_points;
 
 /// Vehicles from outside come to the arms that begin there. Nobody knows the past or the mean: the forecasts start cold
@@ -52,12 +53,13 @@ Demand demand_of(const Network &network, std::size_t v, const NetworkCell &cell,
 class Neighbourhood {
   public:
     explicit Neighbourhood(const Network &network)
-        : downstream_veh_(network.plan.size()), announced_(network.plan.size()) {
+        : network_(network), downstream_veh_(network.plan.size()), announced_(network.plan.size()) {
         for (std::size_t v = 0; v < network.plan.size(); ++v) {
             downstream_veh_[v].resize(network.scenarios[v].junction.movement_count);
-            for (const auto &arm : network.plan[v].arms) {
-                const auto sure_ds = static_cast<std::size_t>(road_ds(network.scenarios[v].junction, arm));
-                announced_[v].push_back({!arm.from_outside, {}, sure_ds / ds_per_second});
+            for (std::size_t i = 0; i < network.plan[v].arms.size(); ++i) {
+                const ArmPlan &arm = network.plan[v].arms[i];
+                const std::int64_t ahead_ds = arm.from_outside ? 0 : road_ds(network.scenarios[v].junction, arm);
+                announced_[v].at(i).ahead_s = static_cast<std::uint16_t>(ahead_ds / ds_per_second);
             }
         }
     }
@@ -66,8 +68,11 @@ class Neighbourhood {
         for (std::size_t v = 0; v < announced_.size(); ++v) {
             const auto behind_veh = streets.downstream_veh(v);
             std::copy(behind_veh.begin(), behind_veh.end(), downstream_veh_[v].begin()); // choosers keep the address
-            for (std::size_t i = 0; i < announced_[v].size(); ++i) {
-                announced_[v][i].outflow = streets.outflow_to({v, i});
+            for (std::size_t i = 0; i < network_.plan[v].arms.size(); ++i) {
+                const Outflow outflow = streets.outflow_to({v, i});
+                announced_[v].at(i).next10_veh = static_cast<float>(outflow.next10) / tenths_per_veh;
+                announced_[v].at(i).next30_veh = static_cast<float>(outflow.next30) / tenths_per_veh;
+                announced_[v].at(i).next60_veh = static_cast<float>(outflow.next60) / tenths_per_veh;
             }
         }
     }
@@ -75,14 +80,21 @@ class Neighbourhood {
     [[nodiscard]] const float *downstream_veh(std::size_t v) const {
         return downstream_veh_[v].data();
     }
-    [[nodiscard]] const std::vector<Announced> *announced(std::size_t v) const {
+    [[nodiscard]] const Announced *announced(std::size_t v) const {
         return &announced_[v];
     }
 
   private:
+    const Network &network_;
     std::vector<std::vector<float>> downstream_veh_;
-    std::vector<std::vector<Announced>> announced_;
+    std::vector<Announced> announced_;
 };
+
+/// By the pilot, or by the whole controller behind its frames.
+std::unique_ptr<Control> control_of(const Scenario &scenario, const NetworkCell &cell, const Demand &demand) {
+    return cell.framed ? make_framed(scenario, cell.chooser, demand, make_inproc(scenario, cell.chooser, demand))
+                       : make_direct(scenario, cell.chooser, demand);
+}
 
 bool reads_forecast(const ChooserSpec &chooser) {
     const auto &kinds = chooser_kinds();
@@ -106,7 +118,7 @@ Metrics run_network(const Network &network, const NetworkCell &cell, std::uint64
         scenarios[v].downstream_veh = neighbourhood.downstream_veh(v);
         demands.push_back(demand_of(network, v, cell, seed, seconds));
         demands[v].announced = cell.neighbours ? neighbourhood.announced(v) : nullptr;
-        controls.push_back(make_direct(scenarios[v], cell.chooser, demands[v]));
+        controls.push_back(control_of(scenarios[v], cell, demands[v]));
         sites.push_back({scenarios[v], *controls[v], demands[v]});
     }
     return run_streets(network.plan, sites, seconds, {},
@@ -126,7 +138,7 @@ void run_network_experiment(const NetworkRequest &request) {
             }
             for (const unsigned vehicles : request.vehicles) {
                 for (std::uint64_t trial = 0; trial < request.trials; ++trial) {
-                    cells.push_back({chooser, neighbours, vehicles, trial});
+                    cells.push_back({chooser, neighbours, vehicles, trial, request.framed});
                 }
             }
         }
@@ -135,7 +147,7 @@ void run_network_experiment(const NetworkRequest &request) {
     std::vector<Row> rows(cells.size());
     const auto work = [&](std::size_t i) {
         const NetworkCell &cell = cells[i];
-        rows[i] = {profile + "@network=" + network.name,
+        rows[i] = {profile + "@network=" + network.name + (cell.framed ? "@link=inproc" : ""),
                    cell.chooser.label(),
                    cell.chooser.forecast + (cell.neighbours ? "+neighbours" : ""),
                    cell.vehicles,

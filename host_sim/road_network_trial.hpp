@@ -26,6 +26,7 @@ struct NetworkCell {
     bool neighbours;   ///< they announce their outflow
     unsigned vehicles; ///< to every arm from outside
     std::uint64_t trial;
+    bool framed = false; ///< controllers hear and speak in frames; false: pilots in numbers
 };
 
 Metrics run_network(const Network &network, const NetworkCell &cell, std::uint64_t seed, std::size_t seconds);
@@ -35,6 +36,7 @@ struct NetworkRequest {
     std::string profile = "discrete";
     std::vector<ChooserSpec> choosers;
     std::vector<bool> neighbours{false};
+    bool framed = false; ///< as of NetworkCell
     std::vector<unsigned> vehicles;
     std::uint64_t trials = 30;
     std::uint64_t seed = 1;

@@ -20,18 +20,18 @@ namespace {
 
 constexpr float paper_free_flow_m_per_s = 10.0F;
 constexpr double km_per_h = 1.0 / 3.6;
-constexpr double usual_speed_km_per_h = 50.0;
 constexpr double usual_road_m = 200.0; ///< of an arm before the counted reach
 constexpr double shortest_road_m = 15.0;
 constexpr double longest_arm_m = 10000.0;
-constexpr double highest_speed_km_per_h = 200.0;
+constexpr double lowest_speed_km_per_h = ELMOPP_SITE_LIMIT_MIN_KM_PER_H;
+constexpr double highest_speed_km_per_h = ELMOPP_SITE_LIMIT_MAX_KM_PER_H;
 
 /// The junctions that profile discrete knows by name.
 const std::map<std::string, const elmopp_junction_t *> &named_sites() {
-    static const std::map<std::string, const elmopp_junction_t *> sites{{"five_way", &elmopp_site_five_way},
-                                                                        {"four_way", &elmopp_site_four_way},
-                                                                        {"one_way", &elmopp_site_one_way},
-                                                                        {"three_way", &elmopp_site_three_way}};
+    static const std::map<std::string, const elmopp_junction_t *> sites{
+        {"five_way", &elmopp_site_five_way},         {"four_way", &elmopp_site_four_way},
+        {"left_lanes", &elmopp_site_left_lanes},     {"one_way", &elmopp_site_one_way},
+        {"shared_lanes", &elmopp_site_shared_lanes}, {"three_way", &elmopp_site_three_way}};
     return sites;
 }
 
@@ -63,6 +63,13 @@ std::vector<double> shares(const elmopp_junction_t &junction, const std::vector<
     return share;
 }
 
+/// The limit on an approach: its movements agree.
+double limit_km_per_h(const elmopp_junction_t &junction, std::size_t approach) {
+    const auto movements = movements_of(junction, approach);
+    const std::size_t movement = movements.empty() ? 0 : movements.front();
+    return elmopp_junction_limit_km_per_h(&junction, static_cast<std::uint32_t>(movement));
+}
+
 /// A place for single vehicles: a street's junction, with the usual surroundings.
 Scenario make_discrete(const Profile &profile, const elmopp_junction_t &site, const std::vector<double> &split) {
     Scenario scenario{profile, true, site, {}, {}};
@@ -72,17 +79,33 @@ Scenario make_discrete(const Profile &profile, const elmopp_junction_t &site, co
         scenario.capacity_veh.push_back(static_cast<double>(junction.movement[j].capacity_veh));
     }
     scenario.share = split.empty() ? usual_shares(junction) : shares(junction, split);
-    scenario.street = Surroundings{"alternating", usual_speed_km_per_h * km_per_h,
-                                   static_cast<double>(junction.reach_m) + usual_road_m};
+    scenario.street = Surroundings{"alternating", {}};
+    for (std::size_t i = 0; i < junction.approach_count; ++i) {
+        scenario.street->roads.push_back(
+            {static_cast<double>(junction.reach_m) + usual_road_m, limit_km_per_h(junction, i) * km_per_h});
+    }
     return scenario;
 }
 
-/// A number between bounds. Throws BadRequest naming the option.
-double number_of(const std::string &option, const std::string &text, double lowest, double highest) {
+using Options = std::map<std::string, std::string>;
+
+/// Throws BadRequest for a number that is not between bounds.
+void check_between(const std::string &what, double value, double lowest, double highest) {
+    if (!(value >= lowest && value <= highest)) {
+        throw BadRequest(what + " is " + format_number(value, 9) + "; right would be " + format_number(lowest, 6) +
+                         " to " + format_number(highest, 6));
+    }
+}
+
+std::optional<double> option_of(const Options &options, const std::string &name) {
+    const auto found = options.find(name);
+    if (found == options.end()) {
+        return std::nullopt;
+    }
     double value = 0.0;
-    if (!parse_number(text, value) || !(value >= lowest && value <= highest)) {
-        throw BadRequest("option " + option + " of profile discrete is \"" + text + "\"; right would be " +
-                         format_number(lowest, 6) + " to " + format_number(highest, 6));
+    if (!parse_number(found->second, value)) {
+        throw BadRequest("option " + name + " of profile discrete is \"" + found->second +
+                         "\"; right would be a number");
     }
     return value;
 }
@@ -97,8 +120,6 @@ const elmopp_junction_t *named_site(const std::string &name) {
     }
     throw BadRequest("option site of profile discrete is \"" + name + "\"; right would be one of " + join(names, ", "));
 }
-
-using Options = std::map<std::string, std::string>;
 
 /// NAME@OPTION=VALUE...: the options.
 Options options_of(const std::vector<std::string> &words) {
@@ -117,18 +138,14 @@ Options options_of(const std::vector<std::string> &words) {
 
 void apply(const Options &options, Scenario &scenario) {
     Surroundings street = scenario.surroundings();
-    const auto reach_m = static_cast<double>(scenario.junction.reach_m);
     if (const auto found = options.find("demand"); found != options.end()) {
         (void)rates(found->second, Series(1, std::vector<double>(1)), 1, 0.0, 0, 0); // refuses what is unknown
         street.demand = found->second;
     }
-    if (const auto found = options.find("speed"); found != options.end()) {
-        street.speed_m_per_s = number_of("speed", found->second, 5.0, highest_speed_km_per_h) * km_per_h;
-    }
-    if (const auto found = options.find("length"); found != options.end()) {
-        street.length_m = number_of("length", found->second, reach_m + shortest_road_m, longest_arm_m);
-    }
     scenario.street = street;
+    for (std::size_t i = 0; i < scenario.junction.approach_count; ++i) {
+        scenario.pave(i, option_of(options, "speed"), option_of(options, "length"), "profile discrete, option ");
+    }
 }
 
 } // namespace
@@ -171,11 +188,30 @@ const Surroundings &Scenario::surroundings() const {
     return *street;
 }
 
+void Scenario::pave(std::size_t approach, std::optional<double> speed_km_per_h, std::optional<double> length_m,
+                    const std::string &where) {
+    Surroundings paved = surroundings();
+    Road &road = paved.roads.at(approach);
+    if (speed_km_per_h) {
+        check_between(where + "speed", *speed_km_per_h, lowest_speed_km_per_h, highest_speed_km_per_h);
+        road.speed_m_per_s = *speed_km_per_h * km_per_h;
+    }
+    if (length_m) {
+        check_between(where + "length", *length_m, static_cast<double>(junction.reach_m) + shortest_road_m,
+                      longest_arm_m);
+        road.length_m = *length_m;
+    }
+    street = paved;
+}
+
 Setting Scenario::setting() const {
     Setting setting{junction, own_site, profile.literal};
     if (street) {
-        setting.travel_s =
-            static_cast<unsigned>(std::lround(static_cast<double>(junction.reach_m) / street->speed_m_per_s));
+        for (std::size_t j = 0; j < junction.movement_count; ++j) {
+            const Road &road = street->roads[junction.movement[j].approach];
+            setting.travel_s.at(j) =
+                static_cast<unsigned>(std::lround(static_cast<double>(junction.reach_m) / road.speed_m_per_s));
+        }
     }
     setting.downstream_veh = downstream_veh;
     return setting;

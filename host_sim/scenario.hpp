@@ -7,6 +7,8 @@
 /// `discrete` moves single vehicles and has options of its own, part of its name as a chooser's are:
 ///
 ///     discrete[@site=NAME][@demand=PATTERN][@speed=KM_PER_H][@length=M]
+///
+/// Without speed, the limits are the site's, 50 km/h where it does not say.
 
 #pragma once
 
@@ -33,11 +35,16 @@ struct Profile {
     bool discrete = false;                               ///< single vehicles, not a fluid
 };
 
-/// What the profile `discrete` knows beyond its site, the same for every arm.
+/// One arm of a junction.
+struct Road {
+    double length_m;      ///< to the stop line; the last reach_m of it are counted
+    double speed_m_per_s; ///< the limit
+};
+
+/// What the profile `discrete` knows beyond its site.
 struct Surroundings {
     std::string demand = "alternating"; ///< pattern of comings.hpp
-    double speed_m_per_s = 0.0;
-    double length_m = 0.0; ///< of an arm; the last reach_m of it are counted
+    std::vector<Road> roads;            ///< [approach]
 };
 
 /// All profiles, in the order of the documentation.
@@ -60,6 +67,10 @@ struct Scenario {
     /// What a chooser is told. The fluid reaches the queue as soon as it is counted, a vehicle after its drive through
     /// the reach. Valid as long as the scenario.
     [[nodiscard]] Setting setting() const;
+    /// How one arm of profile discrete differs from the others: kilometres per hour and metres, no value: it does not.
+    /// Throws BadRequest naming the value, with `where` before it.
+    void pave(std::size_t approach, std::optional<double> speed_km_per_h, std::optional<double> length_m,
+              const std::string &where);
     /// `street` of a scenario that has one. Throws std::logic_error if it has none: a caller's mistake.
     [[nodiscard]] const Surroundings &surroundings() const;
 };

@@ -77,10 +77,9 @@ std::vector<Way> ways_of(const elmopp_junction_t &junction, std::size_t approach
 
 StreetPlan plan_of(const Scenario &scenario) {
     JunctionPlan plan{&scenario.junction, {}};
-    const Surroundings &street = scenario.surroundings();
     for (std::size_t i = 0; i < scenario.junction.approach_count; ++i) {
-        plan.arms.push_back(
-            {street.length_m, street.speed_m_per_s, ways_of(scenario.junction, i, scenario.share), true});
+        const Road &road = scenario.surroundings().roads[i];
+        plan.arms.push_back({road.length_m, road.speed_m_per_s, ways_of(scenario.junction, i, scenario.share), true});
     }
     return {plan};
 }

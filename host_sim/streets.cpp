@@ -27,6 +27,12 @@ std::size_t storage_of(const elmopp_movement_t &movement) {
     return static_cast<std::size_t>(static_cast<double>(movement.capacity_veh) / movement.lanes + whole);
 }
 
+/// True if the head of a lane goes first: left turns from opposite sides pass before each other, and whoever is behind
+/// one that waits is held up by it.
+bool crosses(const std::vector<Way> &ways, const Lane &lane) {
+    return ways[lane.vehicles().front().way].gives_way.empty();
+}
+
 /// The way that a seed decides for.
 std::size_t way_of(const ArmPlan &arm, std::uint64_t seed) {
     double left = SplitMix64(seed).uniform();
@@ -213,8 +219,9 @@ bool Streets::may_go(const Junction &junction, std::size_t movement, Lane &lane,
     }
     for (const std::size_t foe : way.gives_way) {
         const bool foe_open = elmopp_mask_has(junction.open, static_cast<std::uint32_t>(foe));
+        const auto &ways = junction.arms[junction.site->movement[foe].approach].plan->ways;
         for (const auto &other : junction.lanes[foe]) {
-            if (foe_open && other.is_ready(now_ds_ + gap_ds)) {
+            if (foe_open && other.is_ready(now_ds_ + gap_ds) && crosses(ways, other)) {
                 lane.in_the_box = true; // it waits for the gap inside the junction and clears at the end
                 return false;
             }

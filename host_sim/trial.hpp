@@ -17,6 +17,7 @@
 #include "scenario.hpp"
 #include "streets.hpp"
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -33,12 +34,8 @@ struct Source {
 Source make_source(Integrator integrator, Mapping mapping, std::uint64_t seed, std::uint64_t trial,
                    std::size_t approaches);
 
-/// A neighbour's outflow to one approach, from now on.
-struct Announced {
-    bool is_announced = false; ///< false: this approach has no neighbour that speaks
-    Outflow outflow;
-    std::size_t sure_s = 0; ///< so many seconds ahead nobody else can come
-};
+/// What neighbours announce, by approach; all zero where there is none that speaks.
+using Announced = std::array<elmopp_outflow_t, ELMOPP_APPROACH_MAX>;
 
 /// The vehicles of one trajectory or trace, scaled to a demand, with everything that the forecasts need to know
 /// beforehand.
@@ -56,8 +53,8 @@ struct Demand {
     /// Profile discrete: the vehicles one by one; veh_per_s and future_veh then are their counts at the edge of the
     /// reach if nobody were in their way.
     Comings comings = {};
-    /// What neighbours announce, by approach; kept up to date by its owner. Null: nothing is announced.
-    const std::vector<Announced> *announced = nullptr;
+    /// Kept up to date by its owner. Null: nothing is announced.
+    const Announced *announced = nullptr;
 };
 
 /// The arrivals as the core counts them.

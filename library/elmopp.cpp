@@ -22,6 +22,9 @@
 namespace elmopp {
 /// Vehicles beyond the junction, a value a movement.
 using Downstream = std::array<float, ELMOPP_MOVEMENT_MAX>;
+
+/// What neighbours announce, a value an approach.
+using Outflows = std::array<elmopp_outflow_t, ELMOPP_APPROACH_MAX>;
 } // namespace elmopp
 
 /// One junction. Not movable: pilot and chooser point into it.
@@ -92,6 +95,16 @@ const elmopp_weights_t *weights_of(elmopp_handle &self, const elmopp_options_t &
     return &self.weights;
 }
 
+Travel travel_of(const elmopp_options_t &options, const elmopp_junction_t &junction) {
+    if (options.travel_s != ELMOPP_TRAVEL_OF_SITE) {
+        return everywhere(options.travel_s);
+    }
+    const elmopp_sight_options_t sight = elmopp_sight_of_site(&junction);
+    Travel travel_s{};
+    std::copy(std::begin(sight.travel_s), std::end(sight.travel_s), travel_s.begin());
+    return travel_s;
+}
+
 std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     if (options.site == nullptr) {
         throw BadRequest("options.site is missing; right would be an image made by tools/site");
@@ -99,8 +112,8 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     auto self = std::make_unique<elmopp_handle>();
     self->junction = site_of_image(options.site, options.site_bytes);
     const ChooserSpec spec = chooser_of(options, self->junction);
-    self->plugged = make_chooser(
-        spec, Setting{self->junction, true, false, options.travel_s, options.seed, self->downstream_veh.data()});
+    self->plugged = make_chooser(spec, Setting{self->junction, true, false, travel_of(options, self->junction),
+                                               options.seed, self->downstream_veh.data()});
     self->ar8.fill(shipped_weights("lstm")->ar8);
     const elmopp_forecast_config_t forecast{forecast_kind(spec.forecast), self->ar8.data(), nullptr,
                                             weights_of(*self, options, spec.forecast)};
@@ -119,6 +132,22 @@ std::optional<Downstream> downstream_of(const elmopp_handle &self, const elmopp_
     }
     const bool good = std::all_of(values_veh.begin(), values_veh.end(), elmopp_pilot_is_count);
     return good ? std::optional(values_veh) : std::nullopt;
+}
+
+/// What neighbours announce, nothing if they do not; no value if a number is no count.
+std::optional<Outflows> outflow_of(const elmopp_handle &self, const elmopp_second_t &second) {
+    Outflows outflow{};
+    for (std::uint32_t i = 0; second.announced != nullptr && i < self.junction.approach_count; ++i) {
+        const elmopp_announced_t &said = second.announced[i];
+        for (const float value : {said.next10_veh, said.next30_veh, said.next60_veh, said.ahead_s}) {
+            if (!elmopp_pilot_is_count(value)) {
+                return std::nullopt;
+            }
+        }
+        const float ahead_s = std::min(said.ahead_s, static_cast<float>(ELMOPP_HORIZON_MAX));
+        outflow.at(i) = {said.next10_veh, said.next30_veh, said.next60_veh, static_cast<std::uint16_t>(ahead_s), 0};
+    }
+    return outflow;
 }
 
 std::int32_t stage_or_none(const elmopp_handle &self, elmopp_stage_t stage) {
@@ -173,14 +202,15 @@ int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
     }
     const elmopp_second_t ours = elmopp::in_our_size(*second);
     const auto downstream_veh = elmopp::downstream_of(*self, ours);
-    if (!downstream_veh) {
+    const auto outflow = elmopp::outflow_of(*self, ours);
+    if (!downstream_veh || !outflow) {
         self->occupied = false;
         elmopp_pilot_step_blind(&self->pilot);
         return ELMOPP_REFUSED;
     }
     // Only the chooser reads them, and the pilot asks it only in a second that it believes: none reads a refused one's.
     self->downstream_veh = *downstream_veh;
-    const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall};
+    const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall, outflow->data()};
     const bool believed = elmopp_pilot_step(&self->pilot, &counts, nullptr);
     self->occupied = believed && ours.occupied != 0;
     return believed ? ELMOPP_DONE : ELMOPP_REFUSED;

@@ -33,7 +33,8 @@ extern "C" {
 #define ELMOPP_ABI_VERSION 1U
 uint32_t elmopp_abi_version(void);
 
-#define ELMOPP_NO_STAGE (-1)     ///< no stage is shown, or no wish
+#define ELMOPP_TRAVEL_OF_SITE 0xFFFFFFFFU ///< elmopp_options_t.travel_s: the caller does not say
+#define ELMOPP_NO_STAGE (-1)              ///< no stage is shown, or no wish
 #define ELMOPP_ASPECT_BYTES 17   ///< an aspect a signal group as a digit, unused groups 0, and a terminating zero
 #define ELMOPP_MESSAGE_BYTES 256 ///< enough for every message
 
@@ -55,18 +56,29 @@ typedef struct {
     const char *chooser; ///< NAME[@OPTION=VALUE][:FORECAST] as host_sim list names them; null: what the site names
     const unsigned char *weights; ///< an image as tools/weights --image makes it; null: the networks that are built in
     uint32_t weights_bytes;
-    uint32_t travel_s; ///< from the edge of the counted reach to the stop line on an empty road; 0: counted when there
+    uint32_t travel_s; ///< from the edge of the counted reach to the stop line on an empty road, 0: counted when there,
+                       ///< ELMOPP_TRAVEL_OF_SITE: as the site's reach and speed limits have it
     uint64_t seed;     ///< of a chooser that draws
 } elmopp_options_t;
 
+/// What the neighbouring junction of an approach says of those who have left it towards here, as NeighbourOutflow has
+/// it. All zero: it says nothing.
+typedef struct {
+    float next10_veh; ///< vehicles that come to the edge of the reach in the next 10 seconds
+    float next30_veh; ///< ... in the next 30, those among them
+    float next60_veh;
+    float ahead_s; ///< for so long nobody else can come: the time that the road to that edge takes
+} elmopp_announced_t;
+
 /// What was counted in the last second. Arrays of elmopp_shape_t.movements values, finite and >= 0.
 typedef struct {
-    uint32_t size;               ///< sizeof(elmopp_second_t)
-    uint32_t recall;             ///< mask of the movements whose counts are not to be believed
-    const float *present_veh;    ///< vehicles inside the reach
-    const float *arrived_veh;    ///< vehicles that came into it in the last second
-    const float *downstream_veh; ///< vehicles on the road that the movement leads to; null: nobody knows
-    uint32_t occupied;           ///< 1: a vehicle stands inside the junction; 0: none does, or nobody knows
+    uint32_t size;                       ///< sizeof(elmopp_second_t)
+    uint32_t recall;                     ///< mask of the movements whose counts are not to be believed
+    const float *present_veh;            ///< vehicles inside the reach
+    const float *arrived_veh;            ///< vehicles that came into it in the last second
+    const float *downstream_veh;         ///< vehicles on the road that the movement leads to; null: nobody knows
+    uint32_t occupied;                   ///< 1: a vehicle stands inside the junction; 0: none does, or nobody knows
+    const elmopp_announced_t *announced; ///< elmopp_shape_t.approaches values; null: no neighbour speaks
 } elmopp_second_t;
 
 /// How many there are of everything, in the order of the site.
@@ -89,7 +101,7 @@ void elmopp_close(elmopp_t *self);
 int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out);
 
 /// Takes a second's counts and asks the chooser. `occupied` holds until the next call: a change of stage waits for it
-/// as long as the site says (junction_wait_ds), whoever chooses. ELMOPP_REFUSED for a count of any of the three arrays
+/// as long as the site says (junction_wait_ds), whoever chooses. ELMOPP_REFUSED for a value of any of the four arrays
 /// that is negative, not finite or beyond a million: nothing is learnt, the wish stays, everybody on red counts as
 /// waiting, and the junction as empty.
 int elmopp_count(elmopp_t *self, const elmopp_second_t *second);

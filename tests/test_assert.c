@@ -20,7 +20,7 @@ static elmopp_plan_t plan;
 static elmopp_pilot_t pilot;
 static elmopp_stage_t answer;
 static const float nothing_veh[ELMOPP_MOVEMENT_MAX];
-static const elmopp_counts_t empty_road = {nothing_veh, nothing_veh, 0U};
+static const elmopp_counts_t empty_road = {nothing_veh, nothing_veh, 0U, NULL};
 
 static elmopp_stage_t choose_answer(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     (void)state;

@@ -295,6 +295,108 @@ static void test_a_spoilt_or_repeated_word_of_the_junction_camera_is_refused(voi
     TEST_ASSERT_TRUE(bench.controller.bus.occupied);
 }
 
+/* --- neighbours --- */
+
+/* 2 vehicles in 10 s, a third in the 4 s after it; nobody else for 14 s. */
+static elmopp_frame_t word_of_a_neighbour(uint32_t approach, uint8_t *counter) {
+    const elmopp_outflow_t outflow = {
+        .next10_veh = 2.0F, .next30_veh = 3.0F, .next60_veh = 3.0F, .ahead_s = 14U, .age_s = 0U};
+    elmopp_frame_t frame = elmopp_frames_make_outflow(approach, &outflow);
+    elmopp_link_seal(&frame, counter);
+    return frame;
+}
+
+static float foreseen_veh(uint32_t approach) {
+    return bench.controller.pilot.foreseen_sum_veh[approach];
+}
+
+static void ticks_until_the_decision(void) {
+    bench_tick(&bench);
+    while (bench.controller.second_ds != 1U) {
+        bench_tick(&bench);
+    }
+}
+
+static void test_what_a_neighbour_announces_is_foreseen_and_gets_nearer_until_it_is_stale(void) {
+    start();
+    ticks_until_the_decision();
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, foreseen_veh(0U));
+    uint8_t counter = 3U;
+    const elmopp_frame_t frame = word_of_a_neighbour(0U, &counter);
+    bench_ticks(&bench, 9U);
+    TEST_ASSERT_TRUE(elmopp_controller_take(&bench.controller, &frame));
+    ticks_until_the_decision();
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 3.0F, foreseen_veh(0U));
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, foreseen_veh(1U));
+    ticks_until_the_decision();
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 2.8F, foreseen_veh(0U)); /* a second of the first ten is over */
+    ticks_until_the_decision();
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 2.6F, foreseen_veh(0U));
+    ticks_until_the_decision(); /* 3.1 s old */
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, foreseen_veh(0U));
+    TEST_ASSERT_EQUAL_UINT8(0U, bench.controller.bus.refused);
+}
+
+static void test_a_spoilt_repeated_or_early_word_of_a_neighbour_is_refused(void) {
+    start();
+    uint8_t counter = 5U;
+    const elmopp_frame_t first = word_of_a_neighbour(1U, &counter);
+    TEST_ASSERT_TRUE(elmopp_controller_take(&bench.controller, &first));
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &first));
+    elmopp_frame_t spoilt = word_of_a_neighbour(1U, &counter);
+    spoilt.data[1] ^= 0x04U;
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &spoilt));
+    uint8_t ahead = (uint8_t)(counter + ELMOPP_LINK_LOST_MAX);
+    const elmopp_frame_t early = word_of_a_neighbour(1U, &ahead);
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &early));
+    elmopp_frame_t moved = word_of_a_neighbour(1U, &counter);
+    moved.id++; /* the checksum is over the id */
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &moved));
+    TEST_ASSERT_EQUAL_UINT8(4U, bench.controller.bus.refused);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, foreseen_veh(2U));
+}
+
+static void test_a_word_for_an_approach_that_does_not_exist_is_for_somebody_else(void) {
+    start();
+    uint8_t counter = 0U;
+    const elmopp_frame_t frame = word_of_a_neighbour(bench.junction.approach_count, &counter);
+    TEST_ASSERT_FALSE(elmopp_controller_take(&bench.controller, &frame));
+    TEST_ASSERT_EQUAL_UINT8(0U, bench.controller.bus.refused);
+}
+
+/* The chooser of the bench reads nothing: what neighbours say must not reach the lamps in any other way. */
+static void test_what_neighbours_say_moves_no_lamp_by_itself(void) {
+    static elmopp_lamps_t without[1500];
+    start();
+    for (uint32_t i = 0U; i < 1500U; i++) {
+        bench_tick(&bench);
+        without[i] = bench.shown;
+    }
+    setUp();
+    start();
+    bench.neighbours = 0x7U;
+    for (uint32_t i = 0U; i < 1500U; i++) {
+        for (uint32_t a = 0U; a < GROUPS; a++) {
+            bench.outflow[a] = (elmopp_outflow_t){.next10_veh = 409.5F, .ahead_s = (uint16_t)(i % 400U)};
+        }
+        bench_tick(&bench);
+        TEST_ASSERT_EQUAL_MEMORY(&without[i], &bench.shown, sizeof bench.shown);
+    }
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.controller.fault);
+}
+
+static void test_an_outflow_frame_says_what_it_was_made_of(void) {
+    const elmopp_outflow_t said = {.next10_veh = 1.5F, .next30_veh = 409.5F, .next60_veh = 500.0F, .ahead_s = 14U};
+    elmopp_frame_t frame = elmopp_frames_make_outflow(7U, &said);
+    TEST_ASSERT_EQUAL_HEX16(0x1A7U, frame.id);
+    const elmopp_outflow_t heard = elmopp_frames_outflow(&frame);
+    TEST_ASSERT_EQUAL_FLOAT(1.5F, heard.next10_veh);
+    TEST_ASSERT_EQUAL_FLOAT(409.5F, heard.next30_veh);
+    TEST_ASSERT_EQUAL_FLOAT(409.5F, heard.next60_veh); /* the field is full */
+    TEST_ASSERT_EQUAL_UINT16(14U, heard.ahead_s);
+    TEST_ASSERT_EQUAL_UINT16(0U, heard.age_s);
+}
+
 /* --- faults --- */
 
 static void test_lost_feedback_flashes(void) {
@@ -652,6 +754,11 @@ int main(void) {
     RUN_TEST(test_a_junction_camera_that_falls_silent_ends_the_wait);
     RUN_TEST(test_a_site_that_does_not_wait_does_not_listen_to_a_junction_camera);
     RUN_TEST(test_a_spoilt_or_repeated_word_of_the_junction_camera_is_refused);
+    RUN_TEST(test_what_a_neighbour_announces_is_foreseen_and_gets_nearer_until_it_is_stale);
+    RUN_TEST(test_a_spoilt_repeated_or_early_word_of_a_neighbour_is_refused);
+    RUN_TEST(test_a_word_for_an_approach_that_does_not_exist_is_for_somebody_else);
+    RUN_TEST(test_what_neighbours_say_moves_no_lamp_by_itself);
+    RUN_TEST(test_an_outflow_frame_says_what_it_was_made_of);
     RUN_TEST(test_lost_feedback_flashes);
     RUN_TEST(test_a_green_that_sticks_is_named);
     RUN_TEST(test_a_red_that_is_broken_is_named);

@@ -23,6 +23,8 @@ void setUp(void) {
     const elmopp_junction_t junction = bench_cross(GROUPS);
     bench_start(&bench, &junction);
     bench_fill(&bench);
+    bench.neighbours = 0x1U;
+    bench.outflow[0] = (elmopp_outflow_t){.next10_veh = 2.0F, .next30_veh = 3.0F, .next60_veh = 3.0F, .ahead_s = 14U};
 }
 void tearDown(void) {}
 
@@ -122,8 +124,8 @@ static void test_a_bus_that_mistreats_a_tenth_of_its_frames_is_never_unsafe(void
 
 static elmopp_frame_t random_frame(void) {
     static const uint16_t ids[] = {0x080U, 0x090U, 0x091U, 0x100U, 0x101U, 0x102U, 0x107U,
-                                   0x110U, 0x180U, 0x190U, 0x200U, 0x300U, 0x7E0U};
-    elmopp_frame_t frame = {.id = ids[random_below(&seed, 13U)], .length = 8U};
+                                   0x110U, 0x180U, 0x190U, 0x1A0U, 0x200U, 0x300U, 0x7E0U};
+    elmopp_frame_t frame = {.id = ids[random_below(&seed, 14U)], .length = 8U};
     const uint64_t payload = random_next(&seed) & random_next(&seed);
     for (uint32_t i = 0U; i < 8U; i++) {
         frame.data[i] = (uint8_t)(payload >> (8U * i));

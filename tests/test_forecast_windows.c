@@ -290,97 +290,6 @@ static void test_the_papers_junction_is_a_complete_graph(void) {
     }
 }
 
-/* --- what a neighbour has announced --- */
-
-#define TOLD_S 14U
-
-static float told_veh[HORIZON];
-
-static void tell_about_the_second_approach(uint16_t seconds) {
-    for (uint32_t t = 0U; t < HORIZON; t++) {
-        told_veh[t] = ((t % 4U) == 0U) ? 1.515625F : 0.015625F; /* nobody else says just this */
-    }
-    elmopp_forecast_tell(&forecast, 1U, told_veh, seconds);
-}
-
-static void expect_told(void) {
-    for (uint32_t t = 0U; t < TOLD_S; t++) {
-        TEST_ASSERT_TRUE(rows[1][t] == told_veh[t]);
-    }
-    TEST_ASSERT_FALSE(rows[1][TOLD_S] == told_veh[TOLD_S]);
-}
-
-static void test_what_is_told_begins_the_row_of_any_forecast_until_the_next_second(void) {
-    static const uint8_t any[4] = {ELMOPP_FORECAST_MEAN, ELMOPP_FORECAST_PERSISTENCE, ELMOPP_FORECAST_LSTM,
-                                   ELMOPP_FORECAST_GCN};
-    for (uint32_t k = 0U; k < 4U; k++) {
-        start(any[k], &elmopp_weights_lstm, mean_veh_per_s);
-        observe(SEEN_S);
-        tell_about_the_second_approach(TOLD_S);
-        look();
-        expect_told();
-        (void)elmopp_forecast_fall_back(&forecast, HORIZON, rows);
-        expect_told();
-        TEST_ASSERT_EQUAL_FLOAT(mean_veh_per_s[1], rows[1][TOLD_S]);
-        TEST_ASSERT_EQUAL_FLOAT(mean_veh_per_s[0], rows[0][0]);
-        observe(1U);
-        look();
-        TEST_ASSERT_FALSE(rows[1][1] == told_veh[1]);
-    }
-}
-
-/* From the second after it on, where there is an edge. */
-static void expect_heard_by_the_first_approach(bool heard) {
-    static float before[HORIZON];
-    start(ELMOPP_FORECAST_GCN, &elmopp_weights_lstm, mean_veh_per_s);
-    observe(SEEN_S);
-    look();
-    (void)memcpy(before, rows[0], sizeof before);
-    tell_about_the_second_approach(TOLD_S);
-    look();
-    TEST_ASSERT_TRUE(rows[0][0] == before[0]);
-    for (uint32_t t = 1U; t < 30U; t++) {
-        TEST_ASSERT_EQUAL(heard, rows[0][t] != before[t]);
-    }
-}
-
-static void test_what_is_told_reaches_the_other_approaches_over_the_graph(void) {
-    junction.approach_count = 2U;
-    junction.movement_count = 2U;
-    junction.group_count = 2U;
-    expect_heard_by_the_first_approach(true);
-    junction.conflict[0] = 0U;
-    junction.conflict[1] = 0U;
-    expect_heard_by_the_first_approach(false);
-}
-
-/* What is told is held in the clamp before the network sees it, and is in the row as it is. */
-static void test_what_is_told_is_seen_within_the_clamp(void) {
-    static float once[HORIZON];
-    static float most[HORIZON];
-    const float high_veh = elmopp_weights_lstm.ar8.high * mean_veh_per_s[1];
-    for (uint32_t k = 0U; k < 2U; k++) {
-        once[k] = high_veh;
-        most[k] = 50.0F * high_veh;
-    }
-    static float before[HORIZON];
-    start(ELMOPP_FORECAST_GCN, &elmopp_weights_lstm, mean_veh_per_s);
-    observe(SEEN_S);
-    elmopp_forecast_tell(&forecast, 1U, once, 2U);
-    look();
-    (void)memcpy(before, rows[0], sizeof before);
-    elmopp_forecast_tell(&forecast, 1U, most, 2U);
-    look();
-    TEST_ASSERT_EQUAL_MEMORY(before, rows[0], sizeof before);
-    TEST_ASSERT_TRUE(rows[1][1] == most[1]);
-}
-
-static void test_telling_of_nobody_or_of_too_much_is_a_bug(void) {
-    start(ELMOPP_FORECAST_GCN, &elmopp_weights_lstm, NULL);
-    TEST_EXPECT_ASSERT(elmopp_forecast_tell(&forecast, 4U, told_veh, 1U));
-    TEST_EXPECT_ASSERT(elmopp_forecast_tell(&forecast, 0U, told_veh, HORIZON + 1U));
-}
-
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_networks_see_the_last_seconds_and_run_on_their_own_output);
@@ -394,9 +303,5 @@ int main(void) {
     RUN_TEST(test_approaches_are_joined_that_meet_in_the_junction);
     RUN_TEST(test_an_approach_meets_by_any_of_its_movements);
     RUN_TEST(test_the_papers_junction_is_a_complete_graph);
-    RUN_TEST(test_what_is_told_begins_the_row_of_any_forecast_until_the_next_second);
-    RUN_TEST(test_what_is_told_reaches_the_other_approaches_over_the_graph);
-    RUN_TEST(test_what_is_told_is_seen_within_the_clamp);
-    RUN_TEST(test_telling_of_nobody_or_of_too_much_is_a_bug);
     return UNITY_END();
 }

@@ -282,6 +282,75 @@ static void test_a_change_waits_for_an_occupied_junction_as_the_site_says(void) 
     TEST_ASSERT_EQUAL_UINT32(empty, change_with_the_junction_occupied_for(60U));
 }
 
+static void test_what_a_neighbour_announces_is_foreseen_in_its_second_and_not_kept(void) {
+    elmopp_announced_t announced[ELMOPP_APPROACH_MAX] = {{0.0F, 0.0F, 0.0F, 0.0F}};
+    announced[2] = (elmopp_announced_t){2.0F, 3.0F, 3.0F, 14.9F};
+    open_site(&elmopp_site_four_way, "cumulative:none");
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, elmopp_foreseen_veh(junction, 2U));
+    second.announced = announced;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 3.0F, elmopp_foreseen_veh(junction, 2U));
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, elmopp_foreseen_veh(junction, 1U));
+    second.announced = NULL;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, elmopp_foreseen_veh(junction, 2U));
+    second.announced = announced;
+    second.size = offsetof(elmopp_second_t, announced); /* a caller who does not know of it */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, elmopp_foreseen_veh(junction, 2U));
+}
+
+static void test_announcements_that_are_no_numbers_are_refused(void) {
+    const float bad[] = {-1.0F, (float)NAN, (float)INFINITY};
+    elmopp_announced_t announced[ELMOPP_APPROACH_MAX] = {{0.0F, 0.0F, 0.0F, 0.0F}};
+    float *const places[] = {&announced[0].next10_veh, &announced[1].next30_veh, &announced[2].next60_veh,
+                             &announced[3].ahead_s};
+    open_site(&elmopp_site_four_way, NULL);
+    second.announced = announced;
+    for (uint32_t i = 0U; i < sizeof bad / sizeof bad[0]; i++) {
+        for (uint32_t k = 0U; k < sizeof places / sizeof places[0]; k++) {
+            *places[k] = bad[i];
+            TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+            *places[k] = 0.0F;
+        }
+    }
+    announced[4].next10_veh = (float)NAN; /* beyond the approaches: not read */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+}
+
+/* 100 m at 50 km/h take 8 s, at 30 km/h 12: who is counted is queued so much later, and is let go so much later. */
+static void test_the_way_to_the_stop_line_may_be_the_sites(void) {
+    elmopp_junction_t slow = elmopp_site_four_way;
+    for (uint32_t j = 0U; j < slow.movement_count; j++) {
+        slow.movement[j].limit_km_per_h = 30U;
+    }
+    const elmopp_junction_t *const sites[] = {&elmopp_site_four_way, &slow};
+    const uint32_t travel_s[] = {8U, 12U};
+    for (uint32_t i = 0U; i < 2U; i++) {
+        float scores[2] = {0.0F, 0.0F};
+        for (uint32_t k = 0U; k < 2U; k++) {
+            name_site(sites[i]);
+            options.chooser = "rollout";
+            options.travel_s = (k == 0U) ? ELMOPP_TRAVEL_OF_SITE : travel_s[i];
+            elmopp_close(junction);
+            junction = elmopp_open(&options, message, sizeof message);
+            TEST_ASSERT_NOT_NULL_MESSAGE(junction, message);
+            uint64_t seed = 3U;
+            for (uint32_t t = 0U; t < 20U; t++) {
+                count_at_random(&seed, slow.movement_count);
+                TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+                for (uint32_t n = 0U; n < TICKS; n++) {
+                    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, ELMOPP_NO_STAGE, aspects));
+                }
+                scores[k] += elmopp_score(junction, (uint32_t)elmopp_target(junction));
+            }
+        }
+        TEST_ASSERT_TRUE(scores[0] < 0.0F);
+        TEST_ASSERT_EQUAL_FLOAT(scores[1], scores[0]);
+    }
+}
+
 static void test_structs_of_another_size(void) {
     open_site(test_sites[0], NULL);
     second.size = offsetof(elmopp_second_t, downstream_veh); /* an older caller */
@@ -353,6 +422,9 @@ int main(void) {
     RUN_TEST(test_a_refused_second_leaves_no_trace);
     RUN_TEST(test_refused_seconds_keep_the_stages_turning);
     RUN_TEST(test_a_change_waits_for_an_occupied_junction_as_the_site_says);
+    RUN_TEST(test_what_a_neighbour_announces_is_foreseen_in_its_second_and_not_kept);
+    RUN_TEST(test_announcements_that_are_no_numbers_are_refused);
+    RUN_TEST(test_the_way_to_the_stop_line_may_be_the_sites);
     RUN_TEST(test_structs_of_another_size);
     RUN_TEST(test_what_cannot_be_opened_says_why);
     RUN_TEST(test_handles_are_independent);

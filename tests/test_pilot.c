@@ -35,7 +35,7 @@ static elmopp_lamps_t lamps;
 static script_t script;
 static float present_veh[ELMOPP_MOVEMENT_MAX];
 static float arrived_veh[ELMOPP_MOVEMENT_MAX];
-static const elmopp_counts_t counts = {present_veh, arrived_veh, 0U};
+static const elmopp_counts_t counts = {present_veh, arrived_veh, 0U, NULL};
 
 static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {
     script_t *self = state;
@@ -476,6 +476,78 @@ static void test_rows_of_an_oracle_replace_the_forecast(void) {
     TEST_ASSERT_EQUAL_FLOAT(6.0F, pilot.foreseen_sum_veh[0]);
 }
 
+static elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX];
+
+/* A second in which only the neighbour of approach 1 speaks: 1 vehicle in 10 s and 2 in the 4 s after. */
+static void step_with_a_neighbour(const elmopp_foreseen_t *foreseen) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        outflow[i] = (elmopp_outflow_t){.next10_veh = 0.0F};
+    }
+    outflow[1] = (elmopp_outflow_t){.next10_veh = 1.0F, .next30_veh = 3.0F, .next60_veh = 3.0F, .ahead_s = 14U};
+    const elmopp_counts_t heard = {present_veh, arrived_veh, 0U, outflow};
+    TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &heard, foreseen));
+}
+
+static void test_what_a_neighbour_announces_is_the_beginning_of_the_row(void) {
+    start_with(ELMOPP_FORECAST_PERSISTENCE, 60U);
+    arrived_veh[0] = 0.5F;
+    arrived_veh[1] = 0.25F;
+    step_with_a_neighbour(NULL);
+    TEST_ASSERT_EQUAL_UINT16(60U, script.view.foreseen_steps);
+    TEST_ASSERT_EQUAL_FLOAT(0.1F, script.first_veh[1]);
+    TEST_ASSERT_EQUAL_FLOAT(0.25F, script.last_veh[1]);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 3.0F + (46.0F * 0.25F), pilot.foreseen_sum_veh[1]);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 1.0F, pilot.soon_veh[0][1]);
+    TEST_ASSERT_EQUAL_FLOAT(30.0F, pilot.foreseen_sum_veh[0]);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_OWN, pilot.foresight);
+}
+
+static void test_without_a_forecast_a_neighbour_is_foreseen_and_nobody_else(void) {
+    start_with(ELMOPP_FORECAST_NONE, 90U);
+    arrived_veh[0] = 1.0F;
+    step_with_a_neighbour(NULL);
+    TEST_ASSERT_EQUAL_UINT16(90U, script.view.foreseen_steps);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, pilot.foreseen_sum_veh[0]);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 3.0F, pilot.foreseen_sum_veh[1]);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, script.last_veh[1]);
+}
+
+static void test_a_neighbour_is_heard_over_an_oracle_too_and_the_oracles_rows_stay(void) {
+    static float row_veh[APPROACHES][ELMOPP_HORIZON_MAX];
+    for (uint32_t t = 0U; t < ELMOPP_HORIZON_MAX; t++) {
+        row_veh[0][t] = 1.0F;
+        row_veh[1][t] = 2.0F;
+    }
+    const elmopp_foreseen_t oracle = {.row_veh = {row_veh[0], row_veh[1]}, .steps = 20U};
+    start_with(ELMOPP_FORECAST_MEAN, 60U);
+    step_with_a_neighbour(&oracle);
+    TEST_ASSERT_EQUAL_UINT16(20U, script.view.foreseen_steps);
+    TEST_ASSERT_EQUAL_FLOAT(20.0F, pilot.foreseen_sum_veh[0]);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 3.0F + 12.0F, pilot.foreseen_sum_veh[1]);
+    TEST_ASSERT_EQUAL_FLOAT(2.0F, row_veh[1][0]);
+}
+
+static void test_neighbours_that_say_nothing_are_as_if_there_were_none(void) {
+    static const elmopp_outflow_t silent[ELMOPP_APPROACH_MAX];
+    const elmopp_counts_t heard = {present_veh, arrived_veh, 0U, silent};
+    start_with(ELMOPP_FORECAST_NONE, 60U);
+    TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &heard, NULL));
+    TEST_ASSERT_EQUAL_UINT16(0U, script.view.foreseen_steps);
+    TEST_ASSERT_NULL(script.view.foreseen_veh[0]);
+}
+
+/* The account is of what the forecast said itself. */
+static void test_what_neighbours_say_is_not_on_the_forecasts_account(void) {
+    start_with(ELMOPP_FORECAST_PERSISTENCE, 60U);
+    for (uint32_t t = 0U; t < 100U; t++) {
+        arrived_veh[1] = 0.5F;
+        step_with_a_neighbour(NULL);
+    }
+    const elmopp_account_error_t error = elmopp_forecast_error(&pilot.forecast);
+    TEST_ASSERT_TRUE(error.compared_s > 0U);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, error.forecast);
+}
+
 /* While an oracle speaks, the forecast goes on to learn. */
 static void test_the_forecast_observes_under_an_oracle_too(void) {
     static const elmopp_foreseen_t blind = {.steps = 0U};
@@ -665,7 +737,7 @@ static void test_a_stage_that_does_not_exist_is_no_wish(void) {
 }
 
 static void test_a_movement_on_recall_waits_without_a_vehicle(void) {
-    const elmopp_counts_t blind = {present_veh, arrived_veh, 0xFFFFFFFCU};
+    const elmopp_counts_t blind = {present_veh, arrived_veh, 0xFFFFFFFCU, NULL};
     seconds(2U, 1U);
     TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &blind, NULL));
     TEST_ASSERT_EQUAL_HEX32(0x4U, pilot.waiting);
@@ -746,6 +818,11 @@ int main(void) {
     RUN_TEST(test_without_a_forecast_nothing_is_foreseen);
     RUN_TEST(test_foreseen_sum_is_that_of_60_seconds);
     RUN_TEST(test_rows_of_an_oracle_replace_the_forecast);
+    RUN_TEST(test_what_a_neighbour_announces_is_the_beginning_of_the_row);
+    RUN_TEST(test_without_a_forecast_a_neighbour_is_foreseen_and_nobody_else);
+    RUN_TEST(test_a_neighbour_is_heard_over_an_oracle_too_and_the_oracles_rows_stay);
+    RUN_TEST(test_neighbours_that_say_nothing_are_as_if_there_were_none);
+    RUN_TEST(test_what_neighbours_say_is_not_on_the_forecasts_account);
     RUN_TEST(test_the_forecast_observes_under_an_oracle_too);
     RUN_TEST(test_absorb_shows_the_forecast_a_second_and_decides_nothing);
     RUN_TEST(test_sixty_absorbed_seconds_make_the_shares_known);

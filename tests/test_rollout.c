@@ -67,7 +67,7 @@ static void look_ten_seconds_ahead(void) {
 
 static void test_the_defaults_are_those_that_were_measured(void) {
     const elmopp_rollout_options_t measured = elmopp_rollout_defaults(8U);
-    TEST_ASSERT_EQUAL_UINT16(8U, measured.sight.travel_s);
+    TEST_ASSERT_EQUAL_UINT16(8U, measured.sight.travel_s[0]);
     TEST_ASSERT_EQUAL_UINT16(5U, measured.future.min_s);
     TEST_ASSERT_EQUAL_UINT16(60U, measured.future.max_s);
     TEST_ASSERT_EQUAL_UINT16(120U, measured.red_s);
@@ -361,7 +361,7 @@ static void test_without_rows_the_mean_of_the_arrivals_counts_half(void) {
 
 /* Two drive 3 s: not queued in seconds 1 and 2, then for the other 8. */
 static void test_who_drives_is_queued_when_he_arrives(void) {
-    options.sight.travel_s = 3U;
+    options.sight = elmopp_sight_defaults(3U);
     options.coming.mean_weight = 0.0F;
     look_ten_seconds_ahead();
     set_queues(0.0F, 2.0F, 0.0F);
@@ -381,7 +381,7 @@ static void test_without_a_reach_who_comes_goes_a_second_later(void) {
     set_queues(0.0F, 2.0F, 0.0F);
     (void)ask_in(0U, 50U);
     TEST_ASSERT_EQUAL_FLOAT(-(20.0F + 4.0F + 5.0F + 0.25F), seen.score[0]);
-    options.sight.travel_s = 1U;
+    options.sight = elmopp_sight_defaults(1U);
     chooser = elmopp_rollout_init(&rollout, &options);
     (void)ask_in(0U, 50U);
     TEST_ASSERT_EQUAL_FLOAT(-(20.0F + 4.0F), seen.score[0]);
@@ -551,7 +551,7 @@ static void test_the_same_counts_give_the_same_answers_and_bits(void) {
     static elmopp_rollout_t other;
     uint64_t random = 7U;
     junction = elmopp_site_four_way;
-    options.sight.travel_s = 8U;
+    options.sight = elmopp_sight_defaults(8U);
     start();
     const elmopp_chooser_t again = elmopp_rollout_init(&other, &options);
     for (uint32_t t = 0U; t < 100U; t++) {
@@ -577,7 +577,7 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
     bad[8].coming.mean_weight = -0.1F;
     bad[9].coming.row_weight = 1.1F;
     bad[10].future.yellow_used_s = -1.0F;
-    bad[11].sight.travel_s = ELMOPP_SIGHT_TRAVEL_MAX_S + 1U;
+    bad[11].sight.travel_s[3] = ELMOPP_SIGHT_TRAVEL_MAX_S + 1U;
     bad[12].others_max = 0U;
     bad[13].caution = -0.1F;
     bad[14].caution = 1.1F;

@@ -55,18 +55,54 @@ static void seconds_of_red(uint32_t count, float present_veh) {
     }
 }
 
+static uint16_t travel_s(float reach_m, uint8_t limit_km_per_h) {
+    junction.reach_m = reach_m;
+    junction.movement[0].limit_km_per_h = limit_km_per_h;
+    return elmopp_sight_travel_s(&junction, 0U);
+}
+
 static void test_a_reach_takes_whole_seconds_at_free_flow(void) {
-    TEST_ASSERT_EQUAL_UINT16(0U, elmopp_sight_travel_s(0.0F));
-    TEST_ASSERT_EQUAL_UINT16(1U, elmopp_sight_travel_s(17.9F));
-    TEST_ASSERT_EQUAL_UINT16(2U, elmopp_sight_travel_s(18.0F));
-    TEST_ASSERT_EQUAL_UINT16(8U, elmopp_sight_travel_s(100.0F));
-    TEST_ASSERT_EQUAL_UINT16(12U, elmopp_sight_travel_s(144.0F));
-    TEST_ASSERT_EQUAL_UINT16(12U, elmopp_sight_travel_s(1.0e6F));
+    TEST_ASSERT_EQUAL_UINT16(0U, travel_s(0.0F, 0U));
+    TEST_ASSERT_EQUAL_UINT16(1U, travel_s(17.9F, 0U));
+    TEST_ASSERT_EQUAL_UINT16(2U, travel_s(18.0F, 0U));
+    TEST_ASSERT_EQUAL_UINT16(8U, travel_s(100.0F, 0U));
+    TEST_ASSERT_EQUAL_UINT16(12U, travel_s(144.0F, 0U));
+    TEST_ASSERT_EQUAL_UINT16(12U, travel_s(1.0e6F, 0U));
+}
+
+/* 0.864 of the limit: 100 m at 70 km/h take 5.95 s, at 40 km/h 10.4, at 30 km/h 13.9. */
+static void test_a_reach_takes_longer_where_the_limit_is_lower(void) {
+    TEST_ASSERT_EQUAL_UINT16(8U, travel_s(100.0F, 50U));
+    TEST_ASSERT_EQUAL_UINT16(6U, travel_s(100.0F, 70U));
+    TEST_ASSERT_EQUAL_UINT16(10U, travel_s(100.0F, 40U));
+    TEST_ASSERT_EQUAL_UINT16(12U, travel_s(100.0F, 30U));
+}
+
+static void test_a_site_gives_each_movement_the_travel_time_of_its_approach(void) {
+    junction.reach_m = 100.0F;
+    junction.movement[1].limit_km_per_h = 70U;
+    const elmopp_sight_options_t options = elmopp_sight_of_site(&junction);
+    TEST_ASSERT_EQUAL_UINT16(8U, options.travel_s[0]);
+    TEST_ASSERT_EQUAL_UINT16(6U, options.travel_s[1]);
+    elmopp_sight_init(&sight, &junction, &options);
+    test_view_init(&seen, &junction);
+    seen.arrivals_veh[1] = 1.0F;
+    seen.queue_veh[1] = 1.0F;
+    second(1.0F, 1.0F);
+    seen.arrivals_veh[1] = 0.0F;
+    for (uint32_t t = 1U; t < 6U; t++) {
+        second(0.0F, 1.0F);
+        TEST_ASSERT_EQUAL_FLOAT(0.0F, sight.queued_veh[1]);
+    }
+    second(0.0F, 1.0F);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, sight.queued_veh[1]);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, sight.queued_veh[0]);
 }
 
 static void test_the_defaults_are_those_of_the_research(void) {
     const elmopp_sight_options_t options = elmopp_sight_defaults(8U);
-    TEST_ASSERT_EQUAL_UINT16(8U, options.travel_s);
+    TEST_ASSERT_EQUAL_UINT16(8U, options.travel_s[0]);
+    TEST_ASSERT_EQUAL_UINT16(8U, options.travel_s[ELMOPP_MOVEMENT_MAX - 1U]);
     TEST_ASSERT_EQUAL_UINT16(120U, options.mean_window_s);
     TEST_ASSERT_EQUAL_UINT16(8U, options.block_s);
     TEST_ASSERT_EQUAL_FLOAT(30.0F, options.prior_s);
@@ -326,6 +362,8 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_reach_takes_whole_seconds_at_free_flow);
+    RUN_TEST(test_a_reach_takes_longer_where_the_limit_is_lower);
+    RUN_TEST(test_a_site_gives_each_movement_the_travel_time_of_its_approach);
     RUN_TEST(test_the_defaults_are_those_of_the_research);
     RUN_TEST(test_who_has_just_come_drives_for_travel_s_and_is_queued_then);
     RUN_TEST(test_who_was_there_at_the_start_is_queued);

@@ -356,6 +356,19 @@ static void test_a_movement_has_a_lane(void) {
     expect_ok();
 }
 
+static void test_a_speed_limit_is_none_or_5_to_200(void) {
+    const uint8_t good[] = {0U, 5U, 200U};
+    const uint8_t bad[] = {1U, 4U, 201U, 255U};
+    for (uint32_t i = 0U; i < 3U; i++) {
+        site.movement[2].limit_km_per_h = good[i];
+        expect_ok();
+    }
+    for (uint32_t i = 0U; i < 4U; i++) {
+        site.movement[2].limit_km_per_h = bad[i];
+        expect(ELMOPP_SITE_MOVEMENT, 2U, 0U);
+    }
+}
+
 static void test_a_movement_names_an_approach_that_exists(void) {
     site.movement[1].approach = 3U;
     expect_ok();
@@ -963,6 +976,7 @@ int main(void) {
     RUN_TEST(test_capacity_is_0_to_a_million);
     RUN_TEST(test_saturation_flow_is_above_0);
     RUN_TEST(test_a_movement_has_a_lane);
+    RUN_TEST(test_a_speed_limit_is_none_or_5_to_200);
     RUN_TEST(test_a_movement_names_an_approach_that_exists);
     RUN_TEST(test_a_movement_names_groups_that_exist);
     RUN_TEST(test_a_movement_is_served_by_a_stage);

@@ -75,7 +75,7 @@ static void test_the_rollout_has_the_sites_window_reach_and_forecast(void) {
     TEST_ASSERT_EQUAL_PTR(&station.rollout, station.controller.pilot.chooser.state);
     TEST_ASSERT_EQUAL_UINT16(7U, station.rollout.options.future.min_s);
     TEST_ASSERT_EQUAL_UINT16(77U, station.rollout.options.future.max_s);
-    TEST_ASSERT_EQUAL_UINT16(8U, station.rollout.options.sight.travel_s);
+    TEST_ASSERT_EQUAL_UINT16(8U, station.rollout.options.sight.travel_s[0]);
     TEST_ASSERT_EQUAL_UINT8(ELMOPP_FORECAST_LSTM, forecast()->kind);
     TEST_ASSERT_EQUAL_PTR(&weights, forecast()->weights);
 }

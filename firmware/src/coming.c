@@ -92,7 +92,7 @@ static float foreseen(const elmopp_coming_t *self, const elmopp_view_t *view, ui
 
 static void sum_arrivals(elmopp_coming_t *self, const elmopp_sight_t *sight, const elmopp_view_t *view,
                          uint32_t movement) {
-    const uint32_t travel_s = sight->options.travel_s;
+    const uint32_t travel_s = sight->options.travel_s[movement];
     float hidden_veh = sight->hidden_veh[movement];
     float sum_veh = sight->queued_veh[movement];
     self->expected_veh_per_s[movement] = self->options.mean_weight * sight->mean_veh_per_s[movement];

@@ -24,6 +24,7 @@
 #define CAMERA_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_DETECTOR_COUNTS_CYCLE_TIME_MS) / MS_PER_DS)
 #define FEEDBACK_TIMEOUT_DS (((CYCLES_LOST * ELMOPP_CAN_LAMP_FEEDBACK_CYCLE_TIME_MS) / MS_PER_DS) + 2U)
 #define JUNCTION_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_JUNCTION_OCCUPIED_CYCLE_TIME_MS) / MS_PER_DS)
+#define NEIGHBOUR_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_NEIGHBOUR_OUTFLOW_CYCLE_TIME_MS) / MS_PER_DS)
 #define COMMAND_TIMEOUT_DS 100U /* a person; after a pause any counter is good */
 
 /* --- continuous diagnosis --- */
@@ -70,6 +71,7 @@ static void diagnose(elmopp_controller_t *self) {
 static void init_bus(elmopp_bus_t *bus, const elmopp_junction_t *junction) {
     for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
         elmopp_link_init(&bus->camera[i]);
+        elmopp_link_init(&bus->neighbour[i]);
     }
     for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
         elmopp_link_init(&bus->node[n]);
@@ -231,6 +233,7 @@ static bool is_second_controller(const elmopp_frame_t *frame) {
 bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *frame) {
     const uint32_t approach = (uint32_t)frame->id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID;
     const uint32_t node = (uint32_t)frame->id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
+    const uint32_t neighbour = (uint32_t)frame->id - ELMOPP_CAN_NEIGHBOUR_OUTFLOW_FRAME_ID;
     bool ours = true;
     bool taken = false;
     if ((approach < ELMOPP_APPROACH_MAX) && elmopp_mask_has(self->junction->cameras, approach)) {
@@ -247,6 +250,11 @@ bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *fra
         taken = is_believed(&self->bus.junction_camera, frame, JUNCTION_TIMEOUT_DS);
         if (taken) {
             take_occupancy(self, frame);
+        }
+    } else if ((neighbour < ELMOPP_APPROACH_MAX) && (neighbour < self->junction->approach_count)) {
+        taken = is_believed(&self->bus.neighbour[neighbour], frame, NEIGHBOUR_TIMEOUT_DS);
+        if (taken) {
+            self->bus.outflow[neighbour] = elmopp_frames_outflow(frame);
         }
     } else if (frame->id == ELMOPP_CAN_COMMAND_FRAME_ID) {
         taken = is_believed(&self->bus.command, frame, COMMAND_TIMEOUT_DS) && take_command(self, frame);
@@ -292,6 +300,7 @@ static bool take_time(elmopp_controller_t *self, elmopp_ms_t now_ms) {
 static void age_links(elmopp_bus_t *bus) {
     for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
         elmopp_link_tick(&bus->camera[i]);
+        elmopp_link_tick(&bus->neighbour[i]);
     }
     for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
         elmopp_link_tick(&bus->node[n]);
@@ -314,11 +323,25 @@ static void age(elmopp_controller_t *self) {
 
 /* --- decisions, once a second --- */
 
+/* A neighbour that has fallen silent is as one that never spoke; between two frames what it said gets older. */
+static void age_neighbours(elmopp_bus_t *bus) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        if (elmopp_link_fresh(&bus->neighbour[i], NEIGHBOUR_TIMEOUT_DS)) {
+            bus->outflow[i].age_s = (uint16_t)(bus->neighbour[i].age_ds / DS_PER_S);
+        } else {
+            bus->outflow[i].ahead_s = 0U;
+        }
+    }
+}
+
 static void every_second(elmopp_controller_t *self) {
+    age_neighbours(&self->bus);
     elmopp_detector_second(&self->detector);
     elmopp_detector_counts(&self->detector, self->pilot.red_ds, self->present_veh, self->arrived_veh);
-    const elmopp_counts_t counts = {
-        .present_veh = self->present_veh, .arrived_veh = self->arrived_veh, .recall = ~self->detector.trusted};
+    const elmopp_counts_t counts = {.present_veh = self->present_veh,
+                                    .arrived_veh = self->arrived_veh,
+                                    .recall = ~self->detector.trusted,
+                                    .outflow = self->bus.outflow};
     (void)elmopp_pilot_step(&self->pilot, &counts, NULL);
     self->program = self->wall_known ? elmopp_timetable_program(self->junction, self->wall_s) : (uint8_t)0U;
 }

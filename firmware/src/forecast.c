@@ -140,19 +140,12 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
             self->last_veh[i][lag] = self->last_veh[i][lag - 1U];
         }
         self->last_veh[i][0] = came_veh[i];
-        self->told_s[i] = 0U;
     }
     update_shares(self);
     elmopp_account_settle(&self->account, came_veh, self->junction->approach_count);
     if (self->armed && is_recurrent(self)) {
         remember(self);
     }
-}
-
-void elmopp_forecast_tell(elmopp_forecast_t *self, uint32_t approach, const float *coming_veh, uint16_t seconds) {
-    ELMOPP_ASSERT((approach < self->junction->approach_count) && (seconds <= ELMOPP_HORIZON_MAX));
-    self->told_veh[approach] = coming_veh;
-    self->told_s[approach] = seconds;
 }
 
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self) {
@@ -249,13 +242,6 @@ static void say_next(const elmopp_forecast_t *self, const float *const past[ELMO
     }
 }
 
-/* The next second of an approach's window: what is known of it, or else what the network says. */
-static float told_or_said(const elmopp_forecast_t *self, uint32_t approach, uint32_t t, float said) {
-    const float scale_veh = scale_of(self, approach);
-    const bool told = (t < self->told_s[approach]) && (scale_veh > 0.0F);
-    return held_for(self, approach, told ? (self->told_veh[approach][t] / scale_veh) : said);
-}
-
 /* Runs a network that sees windows on its own output: what it says is the windows' next second. */
 static void fill_from_windows(elmopp_forecast_t *self, uint32_t steps) {
     float past[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S];
@@ -268,7 +254,7 @@ static void fill_from_windows(elmopp_forecast_t *self, uint32_t steps) {
     for (uint32_t t = 0U; t < steps; t++) {
         say_next(self, window, next);
         for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-            const float held = told_or_said(self, i, t, next[i]);
+            const float held = held_for(self, i, next[i]);
             self->row_veh[i][t] = held * scale_of(self, i);
             for (uint32_t k = 1U; k < ELMOPP_FORECAST_PAST_S; k++) {
                 past[i][k - 1U] = past[i][k];
@@ -301,15 +287,6 @@ static void fill_with_mean(elmopp_forecast_t *self, uint32_t steps) {
     }
 }
 
-/* What was told is the beginning of the rows. */
-static void begin_with_told(elmopp_forecast_t *self, uint32_t steps) {
-    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-        for (uint32_t t = 0U; (t < self->told_s[i]) && (t < steps); t++) {
-            self->row_veh[i][t] = self->told_veh[i][t];
-        }
-    }
-}
-
 static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
     if (elmopp_forecast_status(self) != ELMOPP_FORECAST_READY) {
         fill_with_mean(self, steps);
@@ -324,7 +301,6 @@ static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
             fill_by_approach(self, i, steps);
         }
     }
-    begin_with_told(self, steps);
 }
 
 /* Enters what is said about the probe's second. */
@@ -360,8 +336,34 @@ uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const flo
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
     ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
     fill_with_mean(self, steps);
-    begin_with_told(self, steps);
     return hand_out(self, steps, rows);
+}
+
+static bool anybody_says(const elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX]) {
+    bool known = false;
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        known = known || elmopp_outflow_is_known(&outflow[i]);
+    }
+    return known;
+}
+
+uint16_t elmopp_forecast_hear(elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX],
+                              uint16_t asked, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
+    ELMOPP_ASSERT((asked <= ELMOPP_HORIZON_MAX) && (steps <= ELMOPP_HORIZON_MAX));
+    if (!anybody_says(self, outflow)) {
+        return steps;
+    }
+    const uint16_t length = (steps == 0U) ? asked : steps;
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        for (uint32_t t = 0U; t < length; t++) {
+            self->row_veh[i][t] = (steps == 0U) ? 0.0F : rows[i][t];
+        }
+        if (elmopp_outflow_is_known(&outflow[i])) {
+            elmopp_outflow_lay(&outflow[i], self->row_veh[i], length);
+        }
+        rows[i] = self->row_veh[i];
+    }
+    return length;
 }
 
 const float *elmopp_forecast_share(const elmopp_forecast_t *self) {

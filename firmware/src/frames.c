@@ -12,6 +12,7 @@
 #define MEASURED 0x7U /* the lamps of a group that LampFeedback has room for: not whether they go on and off */
 
 #define TENTHS 10.0F
+#define DS_PER_S 10U
 #define THOUSANDTHS 1000.0F
 #define FIELD_MAX 4095U /* of the 12-bit signals */
 
@@ -141,6 +142,16 @@ elmopp_occupancy_t elmopp_frames_occupancy(const elmopp_frame_t *frame) {
         .occupied = signals.occupied != 0U, .valid = signals.valid != 0U, .reason = signals.reason};
 }
 
+elmopp_outflow_t elmopp_frames_outflow(const elmopp_frame_t *frame) {
+    struct elmopp_can_neighbour_outflow_t signals;
+    check_read(elmopp_can_neighbour_outflow_unpack(&signals, frame->data, sizeof frame->data));
+    return (elmopp_outflow_t){.next10_veh = (float)signals.next10 / TENTHS,
+                              .next30_veh = (float)signals.next30 / TENTHS,
+                              .next60_veh = (float)signals.next60 / TENTHS,
+                              .ahead_s = (uint16_t)(signals.ahead / DS_PER_S),
+                              .age_s = 0U};
+}
+
 elmopp_request_t elmopp_frames_command(const elmopp_frame_t *frame, uint32_t *argument) {
     struct elmopp_can_command_t signals;
     check_read(elmopp_can_command_unpack(&signals, frame->data, sizeof frame->data));
@@ -205,6 +216,18 @@ elmopp_frame_t elmopp_frames_make_occupancy(const elmopp_occupancy_t *occupancy)
         .occupied = digit(occupancy->occupied), .valid = digit(occupancy->valid), .reason = occupancy->reason};
     elmopp_frame_t frame = empty(ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID);
     check_written(elmopp_can_junction_occupied_pack(frame.data, &signals, sizeof frame.data));
+    return frame;
+}
+
+elmopp_frame_t elmopp_frames_make_outflow(uint32_t approach, const elmopp_outflow_t *outflow) {
+    const struct elmopp_can_neighbour_outflow_t signals = {
+        .next10 = scaled(outflow->next10_veh, TENTHS),
+        .next30 = scaled(outflow->next30_veh, TENTHS),
+        .next60 = scaled(outflow->next60_veh, TENTHS),
+        .ahead = scaled((float)outflow->ahead_s, TENTHS),
+    };
+    elmopp_frame_t frame = empty(ELMOPP_CAN_NEIGHBOUR_OUTFLOW_FRAME_ID + approach);
+    check_written(elmopp_can_neighbour_outflow_pack(frame.data, &signals, sizeof frame.data));
     return frame;
 }
 

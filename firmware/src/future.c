@@ -227,7 +227,6 @@ static float open_flow(const elmopp_future_t *self, uint32_t movement, float que
 /* One second of departures. Who is seen to reach the line in this second may pass in it; without a reach he is counted
    first, and goes in the next one at the earliest. */
 static void let_go(elmopp_future_t *self, uint32_t step) {
-    const uint32_t there = step + ((self->sight->options.travel_s > 0U) ? 1U : 0U);
     const uint32_t since_s = self->changing_s - self->remaining_s;
     const float changing_s = (float)since_s;
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
@@ -239,6 +238,7 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
         if (lost_s >= 1.0F) {
             self->startup_s[j] = lost_s - 1.0F;
         } else {
+            const uint32_t there = step + ((self->sight->options.travel_s[j] > 0U) ? 1U : 0U);
             const float queue_veh = standing(self, there, j);
             const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
             const float leaving_veh = elmopp_lesser(flow, queue_veh);

@@ -33,6 +33,11 @@ float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t move
     return (flow_veh < queue_veh) ? flow_veh : queue_veh;
 }
 
+uint32_t elmopp_junction_limit_km_per_h(const elmopp_junction_t *junction, uint32_t movement) {
+    const uint32_t limit_km_per_h = junction->movement[movement].limit_km_per_h;
+    return (limit_km_per_h == 0U) ? ELMOPP_JUNCTION_LIMIT_KM_PER_H : limit_km_per_h;
+}
+
 bool elmopp_mask_has(uint32_t mask, uint32_t index) {
     return ((mask >> index) & 1U) != 0U;
 }

@@ -68,10 +68,14 @@ static bool is_distrusted(const elmopp_forecast_t *forecast) {
            (error.compared_s >= ELMOPP_PILOT_ACCOUNT_MIN_S);
 }
 
+static uint16_t asked_steps(const elmopp_pilot_t *self) {
+    const uint16_t asked_s = self->chooser.horizon_s;
+    return (asked_s > ELMOPP_PILOT_TRACE_S) ? asked_s : (uint16_t)ELMOPP_PILOT_TRACE_S;
+}
+
 /* The forecast's own rows. Also when they are not used: the account has to go on. */
 static void look_for_itself(elmopp_pilot_t *self, elmopp_view_t *view) {
-    const uint16_t asked_s = self->chooser.horizon_s;
-    const uint16_t steps = (asked_s > ELMOPP_PILOT_TRACE_S) ? asked_s : (uint16_t)ELMOPP_PILOT_TRACE_S;
+    const uint16_t steps = asked_steps(self);
     view->foreseen_steps = elmopp_forecast_look(&self->forecast, steps, view->foreseen_veh);
     const elmopp_forecast_status_t status = elmopp_forecast_status(&self->forecast);
     self->foresight = ELMOPP_FORESIGHT_OWN;
@@ -95,7 +99,8 @@ static float sum_of_first(const elmopp_view_t *view, uint32_t approach, uint32_t
     return sum_veh;
 }
 
-static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, elmopp_view_t *view) {
+static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, const elmopp_outflow_t *outflow,
+                       elmopp_view_t *view) {
     if (foreseen != NULL) {
         ELMOPP_ASSERT(foreseen->steps <= ELMOPP_HORIZON_MAX);
         self->foresight = ELMOPP_FORESIGHT_GIVEN;
@@ -105,6 +110,10 @@ static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, 
         }
     } else {
         look_for_itself(self, view);
+    }
+    if (outflow != NULL) {
+        view->foreseen_steps =
+            elmopp_forecast_hear(&self->forecast, outflow, asked_steps(self), view->foreseen_steps, view->foreseen_veh);
     }
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
         self->soon_veh[0][i] = sum_of_first(view, i, SOON_S);
@@ -133,7 +142,7 @@ bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, cons
                           .elapsed_ds = self->plan.elapsed_ds,
                           .stage = self->plan.stage,
                           .target = self->plan.target};
-    look_ahead(self, foreseen, &view);
+    look_ahead(self, foreseen, counts->outflow, &view);
     const elmopp_stage_t answer = self->chooser.choose(self->chooser.state, &view, self->score);
     const bool exists = answer < self->junction->stage_count;
     /* In an intergreen the plan has committed itself; an answer kept for later would be a second old when it counts. */

@@ -230,11 +230,19 @@ static elmopp_stage_t choose_by_rollout(void *state, const elmopp_view_t *view, 
     return wanted;
 }
 
+static uint16_t shortest_travel_s(const elmopp_sight_options_t *sight) {
+    uint16_t shortest_s = ELMOPP_SIGHT_TRAVEL_MAX_S;
+    for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
+        ELMOPP_ASSERT(sight->travel_s[j] <= ELMOPP_SIGHT_TRAVEL_MAX_S);
+        shortest_s = (sight->travel_s[j] < shortest_s) ? sight->travel_s[j] : shortest_s;
+    }
+    return shortest_s;
+}
+
 elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollout_options_t *options) {
     ELMOPP_ASSERT((options->hold_count >= 1U) && (options->hold_count <= ELMOPP_ROLLOUT_HOLD_MAX));
     ELMOPP_ASSERT((options->rule_count >= 1U) && (options->rule_count <= ELMOPP_ROLLOUT_RULE_MAX));
     ELMOPP_ASSERT((options->others_max >= 1U) && (options->caution >= 0.0F) && (options->caution <= 1.0F));
-    ELMOPP_ASSERT(options->sight.travel_s <= ELMOPP_SIGHT_TRAVEL_MAX_S);
     ELMOPP_ASSERT(elmopp_future_is_sound(&options->future));
     for (uint32_t h = 0U; h < options->hold_count; h++) {
         ELMOPP_ASSERT(options->hold_s[h] >= 1U);
@@ -244,7 +252,7 @@ elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollou
     }
     *self = (elmopp_rollout_t){.options = *options};
     elmopp_coming_init(&self->coming, &options->coming);
-    const uint16_t travel_s = options->sight.travel_s;
+    const uint16_t travel_s = shortest_travel_s(&options->sight);
     const uint16_t horizon_s = options->coming.horizon_s;
     /* Who is seen at the edge of the reach now arrives travel_s later: rows beyond the horizon are of no use. */
     const uint16_t useful_s = (horizon_s > travel_s) ? (uint16_t)(horizon_s - travel_s) : 0U;

@@ -21,18 +21,29 @@
 #define TOP_SHARE 0.25F            /* the parabola k (1 - k) at its highest */
 #define SETTLE_DS 10U              /* after the start-up, until departures tell of the saturation flow */
 
-uint16_t elmopp_sight_travel_s(float reach_m) {
-    const float free_s = reach_m / ELMOPP_SIGHT_FREE_FLOW_M_PER_S;
+uint16_t elmopp_sight_travel_s(const elmopp_junction_t *junction, uint32_t movement) {
+    const float limit_km_per_h = (float)elmopp_junction_limit_km_per_h(junction, movement);
+    const float free_s = junction->reach_m / (limit_km_per_h * ELMOPP_SIGHT_FREE_FLOW_M_PER_S_PER_KM_PER_H);
     const float rounded_s = elmopp_within(free_s, 0.0F, (float)ELMOPP_SIGHT_TRAVEL_MAX_S) + 0.5F;
     return (uint16_t)rounded_s;
 }
 
 elmopp_sight_options_t elmopp_sight_defaults(uint16_t travel_s) {
-    return (elmopp_sight_options_t){.travel_s = travel_s,
-                                    .mean_window_s = MEAN_WINDOW_S,
-                                    .block_s = BLOCK_S,
-                                    .prior_s = PRIOR_S,
-                                    .forget_per_s = FORGET_PER_S};
+    elmopp_sight_options_t options = {
+        .mean_window_s = MEAN_WINDOW_S, .block_s = BLOCK_S, .prior_s = PRIOR_S, .forget_per_s = FORGET_PER_S};
+    for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
+        options.travel_s[j] = travel_s;
+    }
+    return options;
+}
+
+elmopp_sight_options_t elmopp_sight_of_site(const elmopp_junction_t *junction) {
+    elmopp_sight_options_t options;
+    options = elmopp_sight_defaults((uint16_t)ELMOPP_SIGHT_TRAVEL_MAX_S);
+    for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        options.travel_s[j] = elmopp_sight_travel_s(junction, j);
+    }
+    return options;
 }
 
 static bool learns(const elmopp_junction_t *junction) {
@@ -45,10 +56,11 @@ static float site_flow(const elmopp_junction_t *junction, uint32_t movement) {
 }
 
 void elmopp_sight_init(elmopp_sight_t *self, const elmopp_junction_t *junction, const elmopp_sight_options_t *options) {
-    ELMOPP_ASSERT((options->travel_s <= ELMOPP_SIGHT_TRAVEL_MAX_S) && (options->mean_window_s >= 1U));
+    ELMOPP_ASSERT(options->mean_window_s >= 1U);
     ELMOPP_ASSERT((options->prior_s > 0.0F) && (options->forget_per_s >= 0.0F) && (options->forget_per_s <= 1.0F));
     *self = (elmopp_sight_t){.options = *options, .junction = junction, .stage = ELMOPP_STAGE_NONE};
     for (uint32_t j = 0U; j < junction->movement_count; j++) {
+        ELMOPP_ASSERT(options->travel_s[j] <= ELMOPP_SIGHT_TRAVEL_MAX_S);
         self->site_veh_per_s[j] = site_flow(junction, j);
     }
     for (uint32_t s = 0U; s < junction->stage_count; s++) {
@@ -77,7 +89,7 @@ static float drop_excess(float *due_veh, uint32_t travel_s, float present_veh) {
 
 static void drive_on(elmopp_sight_t *self, uint32_t movement, float arrived_veh, float present_veh) {
     float *due_veh = self->due_veh[movement];
-    const uint32_t travel_s = self->options.travel_s;
+    const uint32_t travel_s = self->options.travel_s[movement];
     for (uint32_t t = 1U; t < travel_s; t++) {
         due_veh[t - 1U] = due_veh[t];
     }
@@ -92,7 +104,7 @@ static void drive_on(elmopp_sight_t *self, uint32_t movement, float arrived_veh,
 /* The mean arrivals, and who should have come and was not seen because the reach is full. */
 static void expect(elmopp_sight_t *self, uint32_t movement, float arrived_veh) {
     const float capacity_veh = self->junction->movement[movement].capacity_veh;
-    const bool reach = (self->options.travel_s > 0U) && (capacity_veh > 0.0F);
+    const bool reach = (self->options.travel_s[movement] > 0U) && (capacity_veh > 0.0F);
     const bool full = reach && (self->present_veh[movement] >= (FULL_SHARE * capacity_veh));
     float *mean = &self->mean_veh_per_s[movement];
     const float missing_veh = *mean - arrived_veh;

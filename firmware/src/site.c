@@ -115,11 +115,14 @@ elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *juncti
                          between(lane->saturation_veh_per_s, 0.0F, VEHICLES_MAX) && (lane->saturation_veh_per_s > 0.0F);
     const bool places = (lane->approach < junction->approach_count) && (lane->lanes >= 1U) && (lane->groups != 0U) &&
                         ((lane->groups & all_groups(junction)) == lane->groups);
+    const uint32_t limit_km_per_h = elmopp_junction_limit_km_per_h(junction, movement);
+    const bool speed =
+        (limit_km_per_h >= ELMOPP_SITE_LIMIT_MIN_KM_PER_H) && (limit_km_per_h <= ELMOPP_SITE_LIMIT_MAX_KM_PER_H);
     bool served = false;
     for (uint32_t s = 0U; s < junction->stage_count; s++) {
         served = served || elmopp_junction_goes(junction, movement, junction->stage_groups[s]);
     }
-    return verdict_of(numbers && places && served, ELMOPP_SITE_MOVEMENT, movement, 0U);
+    return verdict_of(numbers && places && speed && served, ELMOPP_SITE_MOVEMENT, movement, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_check_rescue(const elmopp_junction_t *junction, uint32_t movement) {

@@ -14,7 +14,9 @@ static elmopp_chooser_t urgency_of(elmopp_urgency_t *urgency, const elmopp_junct
 }
 
 static elmopp_chooser_t rollout_of(elmopp_rollout_t *rollout, const elmopp_junction_t *junction) {
-    elmopp_rollout_options_t options = elmopp_rollout_defaults(elmopp_sight_travel_s(junction->reach_m));
+    elmopp_rollout_options_t options;
+    options = elmopp_rollout_defaults(0U);
+    options.sight = elmopp_sight_of_site(junction);
     options.future.min_s = junction->hold_min_s;
     options.future.max_s = junction->hold_max_s;
     return elmopp_rollout_init(rollout, &options);

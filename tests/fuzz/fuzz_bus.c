@@ -17,7 +17,9 @@
 
 static bench_t bench;
 
-#define JUNCTION_CAMERA 250U /* from this choice on; apart, so that the corpus keeps its other ids */
+/* From these choices on; apart, so that the corpus keeps its other ids. */
+#define JUNCTION_CAMERA 250U
+#define NEIGHBOUR 244U
 
 static elmopp_junction_t any_site(uint8_t choice) {
     elmopp_junction_t junction = bench_cross(2U + (choice % 3U));
@@ -43,7 +45,15 @@ static uint16_t any_id(fuzz_input_t *input) {
                                    0x190U,
                                    0x097U};
     const uint8_t choice = fuzz_byte(input);
-    return (choice >= JUNCTION_CAMERA) ? (uint16_t)0x110U : ids[choice % (sizeof ids / sizeof ids[0])];
+    uint16_t id = ids[choice % (sizeof ids / sizeof ids[0])];
+    if (choice >= JUNCTION_CAMERA) {
+        id = 0x110U;
+    } else if (choice >= NEIGHBOUR) {
+        id = (uint16_t)(0x1A0U + (choice - NEIGHBOUR));
+    } else {
+        /* as it is */
+    }
+    return id;
 }
 
 static void fill(fuzz_input_t *input, elmopp_frame_t *frame) {
@@ -60,6 +70,8 @@ static uint8_t *counter_of(uint16_t id) {
         counter = &bench.command_counter;
     } else if ((id & 0x7F8U) == 0x100U) {
         counter = &bench.camera_counter[id & 7U];
+    } else if ((id & 0x7F8U) == 0x1A0U) {
+        counter = &bench.neighbour_counter[id & 7U];
     } else if (id == 0x110U) {
         counter = &bench.occupancy_counter;
     } else if ((id & 0x7F8U) == 0x090U) {

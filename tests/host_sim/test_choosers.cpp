@@ -251,14 +251,14 @@ void test_the_rollout_takes_its_options() {
 // What a simulator of single vehicles says, and host_sim does not.
 void test_the_setting_arrives() {
     const std::vector<float> behind_veh(elmopp_site_four_way.movement_count);
-    const Setting setting{elmopp_site_four_way, true, false, 8, 77, behind_veh.data()};
+    const Setting setting{elmopp_site_four_way, true, false, everywhere(8), 77, behind_veh.data()};
     const auto make = [&setting](const std::string &text) { return make_chooser(parse_chooser(text), setting); };
-    TEST_ASSERT_EQUAL_UINT(8, state_of<Actuated>(*make("actuated")).approaching.travel_s());
-    TEST_ASSERT_EQUAL_UINT(8, state_of<Surtrac>(*make("surtrac")).approaching.travel_s());
-    TEST_ASSERT_EQUAL_UINT(8, state_of<SelfControl>(*make("self-control")).approaching.travel_s());
-    TEST_ASSERT_EQUAL_UINT(8, state_of<LongestQueue>(*make("longest-queue")).approaching.travel_s());
-    TEST_ASSERT_EQUAL_UINT(8, state_of<ItlcRounds>(*make("itlc-rounds")).approaching.travel_s());
-    TEST_ASSERT_EQUAL_UINT(8, state_of<elmopp_rollout_t>(*make("rollout")).options.sight.travel_s);
+    TEST_ASSERT_EQUAL_UINT(8, state_of<Actuated>(*make("actuated")).approaching.travel_s(0));
+    TEST_ASSERT_EQUAL_UINT(8, state_of<Surtrac>(*make("surtrac")).approaching.travel_s(0));
+    TEST_ASSERT_EQUAL_UINT(8, state_of<SelfControl>(*make("self-control")).approaching.travel_s(0));
+    TEST_ASSERT_EQUAL_UINT(8, state_of<LongestQueue>(*make("longest-queue")).approaching.travel_s(0));
+    TEST_ASSERT_EQUAL_UINT(8, state_of<ItlcRounds>(*make("itlc-rounds")).approaching.travel_s(0));
+    TEST_ASSERT_EQUAL_UINT(8, state_of<elmopp_rollout_t>(*make("rollout")).options.sight.travel_s[0]);
     TEST_ASSERT_EQUAL_UINT(112, make("rollout@rows=150")->chooser.horizon_s);
     TEST_ASSERT_EQUAL_UINT(elmopp_site_four_way.hold_max_s,
                            state_of<elmopp_rollout_t>(*make("rollout")).options.future.max_s);

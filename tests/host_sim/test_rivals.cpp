@@ -308,8 +308,9 @@ void test_fixed_waits_out_the_intergreen() {
 }
 
 void test_covering_cycle_serves_every_movement_and_no_stage_in_vain() {
-    for (const auto *site : {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_one_way, &elmopp_site_paper,
-                             &elmopp_site_three_way}) {
+    for (const auto *site :
+         {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_left_lanes, &elmopp_site_one_way,
+          &elmopp_site_paper, &elmopp_site_shared_lanes, &elmopp_site_three_way}) {
         std::uint32_t covered = 0;
         for (const elmopp_stage_t stage : covering_cycle(*site)) {
             const std::uint32_t served = elmopp_junction_served(site, site->stage_groups[stage]);

@@ -82,7 +82,8 @@ void test_a_round_loses_every_change() {
 
 void test_the_cycle_is_a_smallest_one() {
     const std::pair<const elmopp_junction_t *, std::size_t> sizes[] = {
-        {&elmopp_site_four_way, 4}, {&elmopp_site_three_way, 3}, {&elmopp_site_five_way, 5}, {&elmopp_site_one_way, 2}};
+        {&elmopp_site_four_way, 4}, {&elmopp_site_three_way, 3},  {&elmopp_site_five_way, 5},
+        {&elmopp_site_one_way, 2},  {&elmopp_site_left_lanes, 3}, {&elmopp_site_shared_lanes, 2}};
     for (const auto &[site, size] : sizes) {
         Cycle cycle;
         cycle.prepare(*site);
@@ -129,7 +130,7 @@ void test_flow_ratios_give_a_movement_of_several_stages_what_it_needs() {
 
 /// Observes what somebody sees who is asked with these counts.
 struct Observer {
-    Approaching approaching{3};
+    Approaching approaching{everywhere(3)};
 
     elmopp_stage_t choose(const elmopp_view_t &view, float * /*score*/) {
         approaching.observe(view);

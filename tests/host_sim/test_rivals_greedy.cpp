@@ -121,7 +121,7 @@ void test_longest_queue_is_a_lanes() {
 }
 
 void test_longest_queue_leaves_out_who_has_not_arrived() {
-    LongestQueue rule{1, Approaching(4)};
+    LongestQueue rule{1, Approaching(everywhere(4))};
     Street street(plug(rule));
     street.queue[NL] = 3.0F;
     street.come(EL, 9.0F);

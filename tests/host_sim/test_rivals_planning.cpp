@@ -59,7 +59,7 @@ void test_itlc_rounds_takes_a_forced_stage_as_served() {
 }
 
 void test_itlc_rounds_waits_for_the_farthest() {
-    ItlcRounds rule{ready_unlimited, Approaching(12)};
+    ItlcRounds rule{ready_unlimited, Approaching(everywhere(12))};
     Street street(plug(rule));
     street.come(EL, 1.0F); // 1.5 + 2 s, but it takes 12 until it is there
     TEST_ASSERT_EQUAL_UINT(2, street.second());
@@ -143,7 +143,7 @@ void test_actuated_goes_on_in_its_order_after_a_forced_stage() {
 }
 
 void test_actuated_waits_for_whom_it_sees_within_the_gap() {
-    Actuated rule{1, 60, 3, Approaching(8)};
+    Actuated rule{1, 60, 3, Approaching(everywhere(8))};
     Street street(plug(rule));
     street.queue[EL] = 1.0F;
     TEST_ASSERT_EQUAL_UINT(2, street.second());
@@ -157,7 +157,7 @@ void test_actuated_waits_for_whom_it_sees_within_the_gap() {
     for (unsigned second = 0; second < 3; ++second) {
         TEST_ASSERT_EQUAL_UINT(2, street.second());
     }
-    Actuated other{1, 60, 3, Approaching(8)};
+    Actuated other{1, 60, 3, Approaching(everywhere(8))};
     Street later(plug(other));
     later.queue[EL] = 1.0F;
     TEST_ASSERT_EQUAL_UINT(2, later.second());

@@ -78,7 +78,7 @@ class Vehicles {
 /// The lamps of every second.
 std::vector<std::uint32_t> lamps_of(const ChooserSpec &spec, const elmopp_junction_t &site) {
     const std::vector<float> behind_veh(site.movement_count, 3.0F);
-    const Setting setting{site, site.simulation_only == 0, false, travel_s, 7, behind_veh.data()};
+    const Setting setting{site, site.simulation_only == 0, false, everywhere(travel_s), 7, behind_veh.data()};
     const auto plugged = make_chooser(spec, setting);
     Watched watched{plugged->chooser, spec.label() + " at " + site.name};
     const elmopp_chooser_t chooser{watch, &watched, plugged->chooser.horizon_s};
@@ -90,7 +90,7 @@ std::vector<std::uint32_t> lamps_of(const ChooserSpec &spec, const elmopp_juncti
     lamps.reserve(seconds);
     for (unsigned t = 0; t < seconds; ++t) {
         vehicles.second(t, pilot.going);
-        const elmopp_counts_t counts{vehicles.present.data(), vehicles.arrived.data(), 0U};
+        const elmopp_counts_t counts{vehicles.present.data(), vehicles.arrived.data(), 0U, nullptr};
         TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &counts, nullptr));
         elmopp_lamps_t shown{};
         for (unsigned tick = 0; tick < ELMOPP_LAMP_TICKS_PER_S; ++tick) {
@@ -102,8 +102,9 @@ std::vector<std::uint32_t> lamps_of(const ChooserSpec &spec, const elmopp_juncti
 }
 
 void test_every_chooser_names_a_stage_and_does_the_same_again() {
-    for (const auto *site : {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_one_way, &elmopp_site_paper,
-                             &elmopp_site_three_way}) {
+    for (const auto *site :
+         {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_left_lanes, &elmopp_site_one_way,
+          &elmopp_site_paper, &elmopp_site_shared_lanes, &elmopp_site_three_way}) {
         for (const auto &kind : chooser_kinds()) {
             const ChooserSpec spec = parse_chooser(kind.name);
             const auto lamps = lamps_of(spec, *site);
@@ -122,7 +123,7 @@ void test_every_chooser_names_a_stage_and_does_the_same_again() {
 
 /// Any counts, any stage shown, an intergreen now and then: more than a pilot would do.
 void ask_wildly(const ChooserSpec &spec, const elmopp_junction_t &junction) {
-    const Setting setting{junction, false, false, 3, 1, nullptr};
+    const Setting setting{junction, false, false, everywhere(3), 1, nullptr};
     const auto plugged = make_chooser(spec, setting);
     Watched watched{plugged->chooser, spec.label()};
     const elmopp_chooser_t chooser{watch, &watched, 0};

@@ -5,10 +5,13 @@
 
 #include "error.hpp"
 #include "expect.hpp"
+#include "networks.hpp"
 #include "road_network.hpp"
 #include "road_network_trial.hpp"
 #include "streets.hpp"
+#include "trial.hpp"
 
+#include <cmath>
 #include <numeric>
 
 using namespace elmopp;
@@ -44,15 +47,45 @@ void expect_leads_to(const Way &way, std::size_t junction, Side approach) {
 NetworkText g_alpha() {
     NetworkText text;
     text.name = "g_alpha";
-    text.nodes = {{"a", "four_way", {"", "b", "d", ""}},
-                  {"b", "four_way", {"", "", "c", "a"}},
-                  {"c", "four_way", {"b", "", "", "d"}},
-                  {"d", "four_way", {"a", "c", "", ""}}};
+    text.nodes = {{"a", "four_way", {"", "b", "d", ""}, {}},
+                  {"b", "four_way", {"", "", "c", "a"}, {}},
+                  {"c", "four_way", {"b", "", "", "d"}, {}},
+                  {"d", "four_way", {"a", "c", "", ""}, {}}};
     const Entry none{0, 0, 0};
     const Entry all{1, 1, 1};
     text.adjacency = {
         {none, {0, 1, 1}, none, all}, {{0, 0, 1}, none, all, none}, {none, all, none, all}, {all, none, all, none}};
     return text;
+}
+
+// From a to b 250 m at 36 km/h; the reach of 100 m takes 10 s, the road before it 15 s.
+void test_a_road_has_the_length_and_the_limit_that_are_told_of_it() {
+    NetworkText text = g_alpha();
+    text.nodes[1].roads[W] = {250.0, 36.0};
+    text.nodes[0].roads[N] = {std::nullopt, 72.0};
+    const Network network = make_network(text, "discrete");
+    const auto &b = network.scenarios[1].junction;
+    TEST_ASSERT_EQUAL_INT64(150, road_ds(b, network.plan[1].arms[W]));
+    TEST_ASSERT_EQUAL_INT64(100, reach_ds(b, network.plan[1].arms[W]));
+    TEST_ASSERT_EQUAL_INT64(72, reach_ds(b, network.plan[1].arms[N]));
+    TEST_ASSERT_EQUAL_INT64(50, reach_ds(b, network.plan[0].arms[N]));
+    TEST_ASSERT_EQUAL_INT64(100, road_ds(b, network.plan[0].arms[N])); // 200 m
+    TEST_ASSERT_EQUAL_UINT(10, network.scenarios[1].setting().travel_s[WM]);
+    TEST_ASSERT_EQUAL_UINT(7, network.scenarios[1].setting().travel_s[EM]);
+    TEST_ASSERT_EQUAL_UINT(5, network.scenarios[0].setting().travel_s[NM]);
+}
+
+void test_a_road_that_cannot_be_is_named() {
+    const auto refused = [](const RoadText &road, Side side, const char *site) {
+        NetworkText text = grid(1, 1);
+        text.nodes[0].site = site;
+        text.nodes[0].roads[side] = road;
+        return message_of<BadRequest>([&] { (void)make_network(text, "discrete"); });
+    };
+    expect_words(refused({100.0, std::nullopt}, N, "four_way"),
+                 {"grid:1x1", "junction 0.0", "road N", "length is 100", "115 to"});
+    expect_words(refused({std::nullopt, 4.0}, S, "four_way"), {"road S", "speed is 4", "5 to 200"});
+    expect_words(refused({300.0, std::nullopt}, N, "three_way"), {"road N", "three_way", "no approach"});
 }
 
 void test_turns_lead_to_the_neighbour_on_their_side() {
@@ -182,6 +215,63 @@ void test_what_is_announced_reaches_the_chooser_and_the_vehicles_stay_the_same()
                              run_network(network, {deaf, true, 200, 0}, 1, 300).mean_delay_s);
 }
 
+/// Counts that the test makes up.
+class MadeUp final : public Counted {
+  public:
+    explicit MadeUp(std::size_t movements) : Counted(movements) {}
+    void set(std::size_t movement, double queue_veh, double arrived_veh) {
+        queue_veh_[movement] = queue_veh;
+        arrived_veh_[movement] = arrived_veh;
+    }
+};
+
+// The same counts and the same words of neighbours, once in numbers and once in frames.
+void test_a_controller_hears_in_frames_what_a_pilot_hears_in_numbers() {
+    const Network network = make_network(grid(1, 2), "discrete");
+    const Scenario &scenario = network.scenarios[1];
+    for (const auto *chooser : {"cumulative:persistence", "rollout:none"}) {
+        Announced announced{};
+        announced[W].ahead_s = 14;
+        Demand demand{Series(4), 0, std::vector<elmopp_ar8_t>(4, shipped_weights("lstm")->ar8), {}, {}};
+        demand.announced = &announced;
+        const ChooserSpec spec = parse_chooser(chooser);
+        const auto direct = make_direct(scenario, spec, demand);
+        const auto framed = make_framed(scenario, spec, demand, make_inproc(scenario, spec, demand));
+        MadeUp world(scenario.junction.movement_count);
+        SplitMix64 random(7);
+        double heard_veh = 0.0;
+        for (std::size_t t = 0; t < 300; ++t) {
+            for (std::size_t j = 0; j < scenario.junction.movement_count; ++j) {
+                world.set(j, std::floor(10.0 * random.uniform()), std::floor(2.0 * random.uniform()));
+            }
+            announced[W].next10_veh = static_cast<float>(std::floor(4.0 * random.uniform()));
+            announced[W].next30_veh = announced[W].next10_veh + 1.0F;
+            announced[W].next60_veh = announced[W].next30_veh;
+            direct->count(world, t);
+            framed->count(world, t);
+            for (unsigned tick = 0; tick < ELMOPP_LAMP_TICKS_PER_S; ++tick) {
+                (void)direct->lamp_tick();
+                (void)framed->lamp_tick();
+            }
+            for (std::size_t i = 0; i < scenario.junction.approach_count; ++i) {
+                TEST_ASSERT_EQUAL_FLOAT(direct->told().foreseen_veh[i], framed->told().foreseen_veh[i]);
+            }
+            heard_veh += static_cast<double>(framed->told().foreseen_veh[W]);
+        }
+        TEST_ASSERT_TRUE(heard_veh > 300.0);
+    }
+}
+
+void test_controllers_of_a_network_hear_their_neighbours_in_frames() {
+    const Network network = make_network(grid(1, 2), "discrete");
+    const ChooserSpec chooser = parse_chooser("cumulative:mean");
+    const Metrics without = run_network(network, {chooser, false, 200, 0, true}, 1, 600);
+    const Metrics with = run_network(network, {chooser, true, 200, 0, true}, 1, 600);
+    TEST_ASSERT_EQUAL_DOUBLE(without.vehicles_in, with.vehicles_in);
+    TEST_ASSERT_TRUE(without.mean_delay_s != with.mean_delay_s);
+    TEST_ASSERT_EQUAL_DOUBLE(with.vehicles_in, with.vehicles_out + with.vehicles_queued + with.vehicles_outside);
+}
+
 void test_max_pressure_sees_the_roads_behind() {
     const Network network = make_network(grid(2, 2), "discrete");
     const Network alone = make_network(grid(1, 1), "discrete");
@@ -204,12 +294,16 @@ void test_a_grid_of_one_is_the_single_junction() {
 
 int main() {
     UNITY_BEGIN();
+    RUN_TEST(test_a_road_has_the_length_and_the_limit_that_are_told_of_it);
+    RUN_TEST(test_a_road_that_cannot_be_is_named);
     RUN_TEST(test_turns_lead_to_the_neighbour_on_their_side);
     RUN_TEST(test_a_turn_without_lanes_in_the_tensor_is_a_dead_edge);
     RUN_TEST(test_a_tensor_that_does_not_fit_the_neighbours_is_named);
     RUN_TEST(test_a_full_road_blocks_the_junction_before_it);
     RUN_TEST(test_a_neighbour_announces_what_has_left_it_until_it_comes);
     RUN_TEST(test_what_is_announced_reaches_the_chooser_and_the_vehicles_stay_the_same);
+    RUN_TEST(test_a_controller_hears_in_frames_what_a_pilot_hears_in_numbers);
+    RUN_TEST(test_controllers_of_a_network_hear_their_neighbours_in_frames);
     RUN_TEST(test_max_pressure_sees_the_roads_behind);
     RUN_TEST(test_a_grid_of_one_is_the_single_junction);
     return UNITY_END();

@@ -33,7 +33,9 @@ class World {
   public:
     explicit World(const elmopp_junction_t &site, const std::vector<double> &split = {})
         : scenario_(make_scenario("discrete@length=300", &site, split)) {
-        scenario_.street->speed_m_per_s = speed_m_per_s;
+        for (Road &road : scenario_.street->roads) {
+            road.speed_m_per_s = speed_m_per_s;
+        }
         plan_ = plan_of(scenario_);
         comings_.resize(site.approach_count);
     }
@@ -254,6 +256,115 @@ void test_who_waits_in_the_junction_clears_at_the_end() {
     TEST_ASSERT_EQUAL_DOUBLE(0.0, world.queue(NL));
 }
 
+enum Shared : std::uint8_t { NLM, NT, ELM, ET, SLM, ST };
+enum Left : std::uint8_t { side_NL, side_NT, main_EL, main_ET, side_SL, side_ST };
+
+/// A driver who takes a way of an approach, by the site's usual shares.
+std::uint64_t driver(const elmopp_junction_t &site, std::size_t approach, std::size_t way) {
+    const auto ways = ways_of(site, approach, usual_shares(site));
+    double before = 0.0;
+    for (std::size_t w = 0; w < way; ++w) {
+        before += ways[w].share;
+    }
+    std::uint64_t seed = 0;
+    double drawn = SplitMix64(seed).uniform();
+    while (drawn < before || drawn >= before + ways[way].share) {
+        drawn = SplitMix64(++seed).uniform();
+    }
+    return seed;
+}
+
+/// shared_lanes; the ways of an approach in site order.
+enum SharedWay : std::uint8_t { inner_left, inner_straight, outer_straight, outer_right };
+
+void come_by(World &world, std::size_t approach, SharedWay way, std::int64_t first_ds) {
+    world.come(approach, 1, first_ds, 0, driver(elmopp_site_shared_lanes, approach, way));
+}
+
+// N.LM and S.LM give way to S.LM and S.T, and to N.LM and N.T; all have green together.
+void test_a_left_turn_holds_up_its_shared_lane_and_no_other() {
+    World world(elmopp_site_shared_lanes);
+    come_by(world, 0, inner_left, 0);
+    for (std::int64_t i = 1; i <= 5; ++i) {
+        come_by(world, 0, inner_straight, 10 * i);
+        come_by(world, 0, outer_straight, 10 * i);
+    }
+    for (std::int64_t i = 0; i < 100; ++i) {
+        come_by(world, 2, outer_straight, 20 * i); // no gap
+    }
+    world.run(200, 0);
+    world.run(400, (1U << NLM) | (1U << NT) | (1U << ST));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, world.crossed_veh[NLM]);
+    TEST_ASSERT_EQUAL_DOUBLE(5.0, world.crossed_veh[NT]);
+    TEST_ASSERT_TRUE(world.crossed_veh[ST] >= 18.0);
+    TEST_ASSERT_TRUE(world.streets->is_occupied(0));
+    world.run(50, 0); // the one in the junction clears at the end, nobody else
+    TEST_ASSERT_EQUAL_DOUBLE(1.0, world.crossed_veh[NLM]);
+    world.run(300, 1U << NLM);
+    TEST_ASSERT_EQUAL_DOUBLE(6.0, world.crossed_veh[NLM]);
+}
+
+void test_a_shared_lane_flows_through_the_gaps_of_the_other_side() {
+    const auto crossed = [](std::int64_t apart_ds) {
+        World world(elmopp_site_shared_lanes);
+        for (std::int64_t i = 0; i < 4; ++i) {
+            come_by(world, 0, inner_left, 10 * i);
+        }
+        for (std::int64_t i = 0; i < 60; ++i) {
+            come_by(world, 2, outer_straight, apart_ds * i);
+        }
+        world.run(200, 0);
+        world.run(400, (1U << NLM) | (1U << ST));
+        return world.crossed_veh[NLM];
+    };
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, crossed(20));
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, crossed(80)); // one every 8 s: a gap each
+}
+
+void test_left_turns_from_opposite_sides_pass_before_each_other() {
+    World world(elmopp_site_shared_lanes);
+    for (std::int64_t i = 0; i < 4; ++i) {
+        come_by(world, 0, inner_left, 10 * i);
+        come_by(world, 2, inner_left, 10 * i);
+    }
+    world.run(200, 0);
+    world.run(20 + 20 + 4 * 25, (1U << NLM) | (1U << SLM));
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, world.crossed_veh[NLM]);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, world.crossed_veh[SLM]);
+}
+
+// 12 on each of two lanes straight on and 12 on one: 20 ds of loss, then 20 ds a vehicle and lane.
+void test_two_lanes_discharge_twice_what_one_does() {
+    World world(elmopp_site_left_lanes, {0, 1});
+    world.come(1, 24, 0, 10);
+    world.come(0, 12, 0, 10);
+    world.run(500, 0);
+    world.run(20 + 20 * 6 + 1, (1U << main_ET) | (1U << side_NT));
+    TEST_ASSERT_EQUAL_DOUBLE(12.0, world.crossed_veh[main_ET]);
+    TEST_ASSERT_EQUAL_DOUBLE(6.0, world.crossed_veh[side_NT]);
+}
+
+void test_a_left_turn_from_a_lane_of_its_own_holds_up_nobody() {
+    World world(elmopp_site_left_lanes);
+    const std::uint64_t left = driver(elmopp_site_left_lanes, 0, 0);
+    const std::uint64_t straight = driver(elmopp_site_left_lanes, 0, 1);
+    world.come(0, 1, 0, 0, left);
+    for (std::int64_t i = 1; i <= 5; ++i) {
+        world.come(0, 1, 10 * i, 0, straight);
+    }
+    for (std::int64_t i = 0; i < 100; ++i) {
+        world.come(2, 1, 20 * i, 0, straight);
+    }
+    world.run(200, 0);
+    world.run(400, (1U << side_NL) | (1U << side_NT) | (1U << side_ST));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, world.crossed_veh[side_NL]);
+    TEST_ASSERT_EQUAL_DOUBLE(5.0, world.crossed_veh[side_NT]);
+    // On the main street left turns are protected: they give way to nobody.
+    TEST_ASSERT_TRUE((gives_way_to(elmopp_site_left_lanes, side_NL) == std::vector<std::size_t>{side_ST}));
+    TEST_ASSERT_TRUE(gives_way_to(elmopp_site_left_lanes, main_EL).empty());
+    TEST_ASSERT_TRUE((gives_way_to(elmopp_site_shared_lanes, ELM) == std::vector<std::size_t>{6, 7}));
+}
+
 void test_amber_is_used_for_a_second() {
     Signals signals(elmopp_site_one_way);
     elmopp_lamps_t lamps{};
@@ -336,8 +447,9 @@ void test_the_oracle_knows_who_reaches_the_reach_and_when() {
 }
 
 void test_no_vehicle_is_lost_whatever_the_lamps_do() {
-    for (const auto *site : {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_one_way, &elmopp_site_paper,
-                             &elmopp_site_three_way}) {
+    for (const auto *site :
+         {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_left_lanes, &elmopp_site_one_way,
+          &elmopp_site_paper, &elmopp_site_shared_lanes, &elmopp_site_three_way}) {
         const Scenario scenario = make_scenario("discrete", site);
         const Demand demand = make_discrete_demand(scenario, {}, 900.0, 7, 3, 2000);
         for (const auto *chooser : {"random", "fixed", "naive"}) {
@@ -349,14 +461,53 @@ void test_no_vehicle_is_lost_whatever_the_lamps_do() {
     }
 }
 
+// 100 m of reach: 7.2 s at 50 km/h, 12 s at 30, 5.1 s at 70.
+void test_a_site_says_how_fast_its_approaches_are() {
+    elmopp_junction_t site = elmopp_site_one_way;
+    site.movement[1].limit_km_per_h = 30;
+    const Scenario scenario = make_scenario("discrete", &site);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50.0 / 3.6, scenario.surroundings().roads[0].speed_m_per_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 30.0 / 3.6, scenario.surroundings().roads[1].speed_m_per_s);
+    TEST_ASSERT_EQUAL_UINT(7, scenario.setting().travel_s[0]);
+    TEST_ASSERT_EQUAL_UINT(12, scenario.setting().travel_s[1]);
+    const Scenario same = make_scenario("discrete@speed=70", &site);
+    TEST_ASSERT_EQUAL_UINT(5, same.setting().travel_s[0]);
+    TEST_ASSERT_EQUAL_UINT(5, same.setting().travel_s[1]);
+}
+
+void test_each_arm_is_driven_at_its_own_limit() {
+    elmopp_junction_t site = elmopp_site_one_way;
+    site.movement[1].limit_km_per_h = 36;
+    Scenario scenario = make_scenario("discrete@length=300", &site);
+    scenario.pave(0, 72.0, 200.0, "");
+    const StreetPlan plan = plan_of(scenario);
+    TEST_ASSERT_EQUAL_INT64(50, road_ds(site, plan[0].arms[0])); // 100 m at 20 m/s
+    TEST_ASSERT_EQUAL_INT64(50, reach_ds(site, plan[0].arms[0]));
+    TEST_ASSERT_EQUAL_INT64(200, road_ds(site, plan[0].arms[1])); // 200 m at 10 m/s
+    TEST_ASSERT_EQUAL_INT64(100, reach_ds(site, plan[0].arms[1]));
+    Comings comings(2);
+    comings[0].push_back({100, 1});
+    comings[1].push_back({100, 1});
+    Streets streets(plan, {comings});
+    for (std::int64_t now_ds = 0; now_ds <= 200; ++now_ds) {
+        streets.begin_second();
+        streets.tick({all_open});
+        TEST_ASSERT_EQUAL_DOUBLE(now_ds == 150 ? 1.0 : 0.0, streets.counts(0).left_veh()[0]);
+        TEST_ASSERT_EQUAL_DOUBLE(now_ds == 200 ? 1.0 : 0.0, streets.counts(0).left_veh()[1]);
+        streets.end_second();
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, streets.delay_veh_s());
+}
+
 void test_wrong_options_of_the_profile_are_named() {
     const auto refused = [](const std::string &profile) {
         return message_of<BadRequest>([&] { (void)make_scenario(profile, nullptr); }, profile);
     };
     expect_words(refused("discrete@site=frob"), {"site", "\"frob\"", "four_way"});
     expect_words(refused("discrete@demand=frob"), {"\"frob\"", "poisson, alternating"});
-    expect_words(refused("discrete@speed=0"), {"speed", "\"0\"", "5 to 200"});
-    expect_words(refused("discrete@length=100"), {"length", "\"100\"", "115 to"});
+    expect_words(refused("discrete@speed=0"), {"speed", "is 0", "5 to 200"});
+    expect_words(refused("discrete@length=100"), {"length", "is 100", "115 to"});
+    expect_words(refused("discrete@speed=fast"), {"speed", "\"fast\"", "a number"});
     expect_words(refused("discrete@frob=1"), {"\"frob\"", "site, demand, speed, length"});
     expect_words(refused("paper@speed=50"), {"paper@speed=50", "only discrete"});
     expect_words(message_of<BadRequest>([] { (void)make_scenario("discrete@site=four_way", &elmopp_site_one_way); }),
@@ -379,12 +530,19 @@ int main() {
     RUN_TEST(test_who_gives_way_is_read_from_names_and_conflicts);
     RUN_TEST(test_a_left_turn_that_gives_way_waits_for_a_gap);
     RUN_TEST(test_who_waits_in_the_junction_clears_at_the_end);
+    RUN_TEST(test_a_left_turn_holds_up_its_shared_lane_and_no_other);
+    RUN_TEST(test_a_shared_lane_flows_through_the_gaps_of_the_other_side);
+    RUN_TEST(test_left_turns_from_opposite_sides_pass_before_each_other);
+    RUN_TEST(test_two_lanes_discharge_twice_what_one_does);
+    RUN_TEST(test_a_left_turn_from_a_lane_of_its_own_holds_up_nobody);
     RUN_TEST(test_amber_is_used_for_a_second);
     RUN_TEST(test_the_same_seed_brings_the_same_vehicles_and_an_approach_does_not_depend_on_others);
     RUN_TEST(test_every_pattern_brings_the_asked_number);
     RUN_TEST(test_alternating_demand_is_light_then_heavy);
     RUN_TEST(test_the_oracle_knows_who_reaches_the_reach_and_when);
     RUN_TEST(test_no_vehicle_is_lost_whatever_the_lamps_do);
+    RUN_TEST(test_a_site_says_how_fast_its_approaches_are);
+    RUN_TEST(test_each_arm_is_driven_at_its_own_limit);
     RUN_TEST(test_wrong_options_of_the_profile_are_named);
     return UNITY_END();
 }

@@ -196,8 +196,9 @@ void test_paper_capacity_is_the_exact_thousand_thirds() {
 }
 
 void test_shares_add_up_to_one_over_each_approach_of_every_site() {
-    for (const auto *site : {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_one_way, &elmopp_site_paper,
-                             &elmopp_site_three_way}) {
+    for (const auto *site :
+         {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_left_lanes, &elmopp_site_one_way,
+          &elmopp_site_paper, &elmopp_site_shared_lanes, &elmopp_site_three_way}) {
         const Scenario scenario = make_scenario(find_profile("saturation"), site);
         std::vector<double> total(site->approach_count);
         for (std::size_t j = 0; j < site->movement_count; ++j) {

@@ -110,7 +110,7 @@ BAD_VALUES = [
     ("run --chooser naive:mean", "naive:mean", "reads no forecast"),
     ("run --chooser ", '""', "naive"),
     ("run --profile papers", '"papers"', "paper, saturation, figure, literal"),
-    ("run --profile discrete@speed=0", '"0"', "5 to 200"),
+    ("run --profile discrete@speed=0", "speed is 0", "5 to 200"),
     ("run --vehicles 0", '"0"', "1 to 100000"),
     ("run --vehicles -5", '"-5"', "1 to 100000"),
     ("run --vehicles abc", '"abc"', "1 to 100000"),
@@ -185,13 +185,15 @@ BAD_VALUES = [
     ("experiment --choosers naive,", '""', "naive, cumulative"),
     ("experiment --choosers naive@min=61", "61", "1 to 60"),
     ("experiment --profile paper,frob", '"frob"', "paper, saturation, figure, literal"),
-    ("experiment --profile discrete@site=frob", '"frob"', "four_way, one_way"),
+    ("experiment --profile discrete@site=frob", '"frob"', "four_way, left_lanes"),
     ("experiment --network grid:0x2", "grid:0x2", "ROWSxCOLUMNS"),
     ("experiment --network nowhere.toml", "nowhere.toml", "TOML network file"),
     ("experiment --network grid:2x2 --neighbours frob", '"frob"', "off, on, both"),
     ("experiment --network grid:2x2 --profile paper", "paper", "only discrete"),
     ("experiment --network grid:2x2 --split 1,1,1", "--split", "grid:2x2"),
     ("experiment --neighbours on", "--neighbours on", "--network"),
+    ("experiment --link inproc", "--link inproc", "or a network"),
+    ("experiment --network grid:2x2 --link can:vcan0", "can:vcan0", "inproc"),
     ("experiment --vehicles 200,0", '"0"', "1 to 100000"),
     ("experiment --vehicles -5", '"-5"', "1 to 100000"),
     ("experiment --vehicles 200,abc", '"abc"', "1 to 100000"),
@@ -217,6 +219,22 @@ def test_bad_values_are_named_with_what_would_be_right(tmp_path: Path, command: 
     (tmp_path / "file").write_text("in the way\n")
     # A space at the end is an empty last argument.
     refused(tmp_path, command.split(" ") if command else [], value, right)
+
+
+BAD_ROADS = [
+    ('roads = { N = { speed_km_per_h = "fast" } }', '"fast"', "road N", "right would be a number"),
+    ("roads = { N = { lenght_m = 300 } }", '"lenght_m"', "road N", "length_m or speed_km_per_h"),
+    ("roads = { X = { length_m = 300 } }", '"X"', "N, E, S or W"),
+    ("roads = { S = { length_m = 20 } }", "length is 20", "junction a", "road S", "115 to 10000"),
+]
+
+
+@pytest.mark.parametrize("case", BAD_ROADS, ids=[case[1] for case in BAD_ROADS])
+def test_a_road_that_cannot_be_is_named(tmp_path: Path, case: tuple[str, ...]) -> None:
+    (tmp_path / "bad.toml").write_text(
+        f'name = "bad"\nadjacency = [[[0, 0, 0]]]\n[[junctions]]\nname = "a"\nsite = "four_way"\n{case[0]}\n'
+    )
+    refused(tmp_path, ["experiment", "--network", "bad.toml"], *case[1:])
 
 
 def test_a_refusal_is_one_line_whatever_the_value_holds(tmp_path: Path) -> None:
@@ -373,7 +391,7 @@ def test_an_interrupted_experiment_leaves_nothing(tmp_path: Path, number: signal
 
 OPTIONS = {
     "experiment": "profile choosers vehicles trials jobs out count-scores integrator no-figures seed mapping split "
-    "network neighbours",
+    "network neighbours link",
     "run": "profile site chooser vehicles trial trace weights seconds log full summary link clock integrator seed "
     "mapping split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",
@@ -683,8 +701,10 @@ SITES_BY_NAME = {toml.stem: toml for toml in SITES}
 STREET_CHOOSERS = ["naive", "cumulative:ar8", "pressure", "itlc", "oaf", "fixed"]
 
 
-def test_there_are_five_sites() -> None:
-    assert sorted(SITES_BY_NAME) == ["five_way", "four_way", "one_way", "paper", "three_way"]
+def test_there_are_seven_sites() -> None:
+    assert sorted(SITES_BY_NAME) == [
+        "five_way", "four_way", "left_lanes", "one_way", "paper", "shared_lanes", "three_way",
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", sorted(SITES_BY_NAME))

@@ -30,6 +30,7 @@ LEVELS = {
     "ar8": 1,
     "detector": 1,
     "monitor": 1,
+    "outflow": 1,
     "timetable": 1,
     "gcn_f32": 1,
     "lstm_f32": 1,
@@ -102,7 +103,7 @@ def test_no_room_knows_a_higher_level_or_another_of_its_own() -> None:
 
 
 def test_plan_site_and_the_choosers_know_level_0_only() -> None:
-    for room in ("plan", "site", "sight", "account", "ann_f32", "ar8", "gcn_f32", "lstm_f32", "age", "pressure"):
+    for room in ("plan", "site", "sight", "account", "ann_f32", "ar8", "gcn_f32", "lstm_f32", "age", "outflow"):
         assert ROOMS[room] == LEVEL_0
 
 

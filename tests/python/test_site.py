@@ -37,11 +37,12 @@ hold_s = [10, 60]
 reach_m = 75
 saturation_veh_per_s = 0.5
 startup_s = 2
+speed_km_per_h = 40
 chooser = "naive"
 forecast = "none"
 red_bound_s = 90
 stages = [["b", "c"], ["a", "c"]]
-approaches = [{ name = "A" }, { name = "B" }]
+approaches = [{ name = "A" }, { name = "B", speed_km_per_h = 30 }]
 start_flash_s = 12.5
 start_red_s = 4
 junction_wait_ds = 15
@@ -134,7 +135,7 @@ as = "Sat"
 REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "not TOML": ("reach_m = 75", "reach_m = ", ["is not TOML", "line 3", "reach_m ="]),
     "duplicate key": ("reach_m = 75", "reach_m = 75\nreach_m = 80", ["is not TOML", "line 4", "reach_m = 80"]),
-    "duplicate group in conflicts": ('b = ["a"]', 'a = ["b"]', ["is not TOML", "line 19"]),
+    "duplicate group in conflicts": ('b = ["a"]', 'a = ["b"]', ["is not TOML", "line 20"]),
     "nan": ("reach_m = 75", "reach_m = nan", ["reach_m is not finite", "nan"]),
     "nan inside": ("capacity_veh = 4.5", "capacity_veh = nan", ["movements[2].capacity_veh", "nan"]),
     "infinity": ("startup_s = 2\n", "startup_s = -inf\n", ["startup_s is not finite", "-inf"]),
@@ -148,7 +149,7 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
         "maximum_s = 60",
         ["unknown key", "groups[0].maximum_s", "max_green_s"],
     ),
-    "unknown key in an approach": ('{ name = "B" }', '{ name = "B", x = 1 }', ["approaches[1].x", "name"]),
+    "unknown key in an approach": ('{ name = "B",', '{ name = "B", x = 1,', ["approaches[1].x", "name"]),
     "missing key": ("reach_m = 75\n", "", ["lacks a key", '"reach_m"']),
     "missing key in a group": ("min_green_s = 6", "", ["groups[1] lacks a key", '"min_green_s"']),
     "wrong type": ("reach_m = 75", 'reach_m = "far"', ["reach_m has the wrong type", '"far"', "a number"]),
@@ -176,6 +177,8 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "no free flow": ("reach_m = 75", 'reach_m = 75\ndischarge = "nolock"', ["free_flow_m_per_s", "0.0"]),
     "idle free flow": ("reach_m = 75", "reach_m = 75\nfree_flow_m_per_s = 10", ["free_flow_m_per_s", "10.0"]),
     "no reach": ("reach_m = 75", "reach_m = 0", ["reach_m is too small", "(0)", "at least 1"]),
+    "no speed limit": ("speed_km_per_h = 40", "speed_km_per_h = 4", ["speed_km_per_h", "(4)", "5"]),
+    "limit of an aeroplane": ("speed_km_per_h = 30", "speed_km_per_h = 201", ["speed_km_per_h", "(201)", "200"]),
     "no flow": ("saturation_veh_per_s = 0.4", "saturation_veh_per_s = 0", ["B.M", "(0.0)", "more than 0"]),
     "negative flow": ("saturation_veh_per_s = 0.5", "saturation_veh_per_s = -0.5", ["A.M", "(-0.5)", "more than 0"]),
     "flow below single precision": ("saturation_veh_per_s = 0.4", "saturation_veh_per_s = 1e-60", ["B.M", "(0.0)"]),
@@ -194,7 +197,7 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "name with end of line": ('name = "A.M"', 'name = "A.M\\n"', ["movements[0].name", "A.M\\n"]),
     "name with quote": ('"cross"', "'cr\"oss'", ["name is not a name", 'cr\\"oss']),
     "movement twice": ('name = "A.R"', 'name = "A.M"', ["movements[1].name is taken", '"A.M"']),
-    "approach twice": ('{ name = "B" }', '{ name = "A" }', ["approaches[1].name is taken", '"A"']),
+    "approach twice": ('{ name = "B",', '{ name = "A",', ["approaches[1].name is taken", '"A"']),
     "unknown approach": ('approach = "B"', 'approach = "C"', ["approach of movement B.M", '"C"', "A, B"]),
     "unknown group": ('groups = ["b"]', 'groups = ["d"]', ["group of movement B.M", '"d"', "a, b, c"]),
     "unknown group in conflicts": ('b = ["a"]', 'b = ["a"]\nd = ["a"]', ["conflicts", '"d"', "a, b, c"]),
@@ -487,6 +490,16 @@ def test_defaults_are_per_lane_and_overrides_win(tmp_path: Path) -> None:
     assert own.saturation_veh_per_s == pytest.approx(0.4, rel=1e-7)
 
 
+def test_an_approach_has_its_own_limit_or_the_sites_or_none(tmp_path: Path) -> None:
+    def limits(text: str) -> list[int]:
+        return [movement.limit_km_per_h for movement in load_site(write_site(tmp_path, text))[0].movements]
+
+    silent = GOOD.replace("speed_km_per_h = 40\n", "", 1)
+    assert limits(GOOD) == [40, 40, 30]
+    assert limits(silent) == [0, 0, 30]
+    assert limits(silent.replace(", speed_km_per_h = 30", "", 1)) == [0, 0, 0]
+
+
 def test_own_saturation_is_per_lane_too(tmp_path: Path) -> None:
     text = changed("lanes = 2", "lanes = 2\nsaturation_veh_per_s = 0.25\ncapacity_veh = 8")
     movement = load_site(write_site(tmp_path, text))[0].movements[1]
@@ -617,7 +630,7 @@ def test_too_many_groups_movements_and_approaches_are_refused(
     more = GOOD + "".join(movement.format(index) for index in range(22))
     assert "too many movements (25) ; ELMOPP_MOVEMENT_MAX is 24" in refusal(capsys, write_site(tmp_path, more))
     approaches = "[" + ", ".join(f'{{ name = "{index}" }}' for index in range(9)) + "]"
-    wide = changed('[{ name = "A" }, { name = "B" }]', approaches)
+    wide = changed('[{ name = "A" }, { name = "B", speed_km_per_h = 30 }]', approaches)
     assert "too many approaches (9) ; ELMOPP_APPROACH_MAX is 8" in refusal(capsys, write_site(tmp_path, wide))
 
 

@@ -36,10 +36,21 @@ PINNED_STAGES = {
     "three_way": [0x0B, 0x2A, 0x2C, 0x32],
     "five_way": [0x007, 0x018, 0x020, 0x041, 0x110, 0x186, 0x1C0, 0x20C, 0x304, 0x410, 0x604],
     "one_way": [0x1, 0x2],
+    "left_lanes": [0x06, 0x09, 0x12, 0x24, 0x30],
+    "shared_lanes": [0x5, 0xA],
 }
 
 # Arms clockwise, and for each group of the site its ways from arm to arm. Traffic keeps to the right.
-ARMS = {"four_way": "N E S W", "three_way": "E S W", "five_way": "N E SE S W", "one_way": "N E S W"}
+ARMS = {
+    "four_way": "N E S W",
+    "three_way": "E S W",
+    "five_way": "N E SE S W",
+    "one_way": "N E S W",
+    "left_lanes": "N E S W",
+    "shared_lanes": "N E S W",
+}
+# Groups whose left turns give way to each other's traffic: their paths cross and they are green together.
+PERMISSIVE = {"left_lanes": [{"N", "S"}], "shared_lanes": [{"N", "S"}, {"E", "W"}]}
 WAYS = {
     "four_way": """N.L: N>E  N.M: N>S  N.R: N>W  E.L: E>S  E.M: E>W  E.R: E>N
                    S.L: S>W  S.M: S>N  S.R: S>E  W.L: W>N  W.M: W>E  W.R: W>S""",
@@ -47,6 +58,8 @@ WAYS = {
     "five_way": """N.L: N>E N>SE  N.M: N>S  N.R: N>W  E.L: E>SE E>S  E.T: E>W E>N  SE: SE>S SE>W SE>N SE>E
                    S.L: S>W  S.M: S>N  S.R: S>E S>SE  W.L: W>N  W.T: W>E W>SE W>S""",
     "one_way": "N: N>S N>E  W: W>E W>S",
+    "left_lanes": """N: N>E N>S N>W  E.L: E>S  E.T: E>W E>N  S: S>W S>N S>E  W.L: W>N  W.T: W>E W>S""",
+    "shared_lanes": "N: N>E N>S N>W  E: E>S E>W E>N  S: S>W S>N S>E  W: W>N W>E W>S",
 }
 
 
@@ -100,7 +113,12 @@ def paths_meet(arms: list[str], first: tuple[str, str], second: tuple[str, str])
 def geometric_conflicts(name: str) -> dict[str, set[str]]:
     arms, ways = ARMS[name].split(), ways_of(name)
     return {
-        group: {other for other in ways if any(paths_meet(arms, a, b) for a in ways[group] for b in ways[other])}
+        group: {
+            other
+            for other in ways
+            if any(paths_meet(arms, a, b) for a in ways[group] for b in ways[other])
+            and {group, other} not in PERMISSIVE.get(name, [])
+        }
         for group in ways
     }
 
@@ -250,6 +268,8 @@ LEAST_BOUNDS_DS = {
     "three_way": (1 + 3) * (50 + 70 + 2),
     "five_way": (1 + 5) * (50 + 100 + 2),
     "one_way": (1 + 2) * (50 + 50 + 2),
+    "left_lanes": (1 + 3) * (50 + 70 + 2),
+    "shared_lanes": (1 + 2) * (50 + 70 + 2),
 }
 
 

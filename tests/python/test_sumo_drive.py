@@ -213,9 +213,8 @@ def test_maximum_green_is_kept_for_who_waits(drive: Any, sumo: Sumo, signal: Sig
     assert "rrG" in dict(seen)
 
 
-@pytest.mark.parametrize(("reach_m", "travel_s"), [(30.0, 2), (100.0, 8), (1000.0, 12)])
-def test_the_library_is_told_of_the_way_to_the_stop_line_and_of_the_seed(
-    drive: Any, signal: Signal, monkeypatch: pytest.MonkeyPatch, reach_m: float, travel_s: int
+def test_the_library_is_told_of_the_seed_and_takes_the_way_to_the_stop_line_from_the_site(
+    drive: Any, signal: Signal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: dict[str, object] = {}
     right = drive.CoreJunction
@@ -225,8 +224,8 @@ def test_the_library_is_told_of_the_way_to_the_stop_line_and_of_the_seed(
         return right(site, chooser, **words)
 
     monkeypatch.setattr(drive, "CoreJunction", noting)
-    drive.Driver(signal, TIMES, reach_m, "random", 77).close()
-    assert told == {"chooser": "random", "travel_s": travel_s, "seed": 77}
+    drive.Driver(signal, TIMES, REACH_M, "random", 77).close()
+    assert told == {"chooser": "random", "seed": 77}
 
 
 def test_vehicles_beyond_the_junction_reach_the_chooser(drive: Any, sumo: Sumo, signal: Signal) -> None:
@@ -276,10 +275,18 @@ class Noted:
         self.waits = waits
         self.told: list[tuple[list[float], list[float], list[float]]] = []
         self.occupied: list[bool] = []
+        self.announced: list[object] = []
 
     def drive(
-        self, present_veh: list[float], arrived_veh: list[float], downstream_veh: list[float], *, occupied: bool
+        self,
+        present_veh: list[float],
+        arrived_veh: list[float],
+        downstream_veh: list[float],
+        *,
+        occupied: bool,
+        announced: object,
     ) -> None:
+        self.announced.append(announced)
         self.told.append((list(present_veh), list(arrived_veh), list(downstream_veh)))
         self.occupied.append(occupied)
 
@@ -292,6 +299,15 @@ def test_only_who_waits_for_it_is_told_of_an_occupied_junction(drive: Any, sumo:
     sumo.lanes = {}
     street.second()
     assert [driver.occupied for driver in drivers] == [[False, False], [True, False]]
+
+
+def test_everybody_hears_what_his_own_neighbours_say(drive: Any, signal: Signal) -> None:
+    drivers = [Noted(), Noted()]
+    gateways = [SimpleNamespace(listen=lambda: ["to the first"]), SimpleNamespace(listen=lambda: ["to the second"])]
+    drive.Street([signal, signal], [sight(), sight()], drivers, gateways).second()
+    assert [driver.announced for driver in drivers] == [[["to the first"]], [["to the second"]]]
+    drive.Street([signal, signal], [sight(), sight()], drivers).second()
+    assert [driver.announced[-1] for driver in drivers] == [(), ()]
 
 
 def test_everybody_decides_with_the_counts_of_this_second(drive: Any, sumo: Sumo, signal: Signal) -> None:

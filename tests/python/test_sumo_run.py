@@ -339,6 +339,26 @@ def test_a_signal_that_cannot_be_controlled_may_be_left_out(tmp_path: Path) -> N
         assert row["signals"] == "1"
 
 
+def test_signals_tell_each_other_who_has_left_them(tmp_path: Path) -> None:
+    """Two signals 120 m apart: N1 lets in who comes from the north."""
+    second = (
+        '<tlLogic id="N1" type="static" programID="0" offset="0"><phase duration="9" state="Gr"/>'
+        '<phase duration="3" state="yr"/><phase duration="9" state="rG"/></tlLogic>'
+    )
+    net = cross(tmp_path, pieces=2, tls=CROSS.replace("</additional>", f"{second}</additional>"))
+    routes = traffic(tmp_path, pieces=2, end_s=300)
+    words = ("--net", net, "--routes", routes, "--end", 300, "--reach", 20, "--chooser", "rollout@weight=0.5:mean")
+    (alone,), (told,) = sumo_run(*words), sumo_run(*words, "--neighbours")
+    assert (alone["signals"], alone["forecast"], told["forecast"]) == ("2", "mean", "mean+neighbours")
+    assert told["delay_s"] != alone["delay_s"]
+
+
+def test_neighbours_where_nobody_has_one_are_refused(simple: tuple[Path, Path]) -> None:
+    words = ("--net", simple[0], "--routes", simple[1], "--end", 60, "--neighbours", "--chooser")
+    assert "no road leads from one signal to the reach of another" in refused(*words, "naive")
+    assert "--neighbours with --chooser static" in refused(*words, "static")
+
+
 def test_without_sumo_it_says_what_to_do(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
     done = subprocess.run(

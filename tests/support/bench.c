@@ -202,6 +202,16 @@ static void send_counts(bench_t *self) {
     }
 }
 
+static void send_outflow(bench_t *self) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        if (has(self->neighbours, i)) {
+            elmopp_frame_t frame = elmopp_frames_make_outflow(i, &self->outflow[i]);
+            elmopp_link_seal(&frame, &self->neighbour_counter[i]);
+            deliver(self, frame);
+        }
+    }
+}
+
 static void send_occupancy(bench_t *self) {
     if (self->junction_seen) {
         elmopp_frame_t frame = elmopp_frames_make_occupancy(&self->occupancy);
@@ -279,6 +289,7 @@ void bench_tick(bench_t *self) {
     deliver_late(self);
     if ((self->ticks % 10U) == 0U) {
         send_counts(self);
+        send_outflow(self);
     }
     if ((self->ticks % 2U) == 0U) {
         send_occupancy(self);

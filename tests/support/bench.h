@@ -3,9 +3,10 @@
 
 /// A bench for the whole controller: cameras, lamp nodes and a clock around it, each of which can be made to fail.
 ///
-/// A tick: the cameras send (every tenth; that of the junction, if there is one, every second), the nodes report the
-/// lamps of the last command that they believed, the controller moves, and everything that it shows goes to an observer
-/// of its own (street_watch), which knows the site's rules by timestamps and shares no code with plan and monitor.
+/// A tick: the cameras and the gateway to the neighbours send (every tenth; that of the junction, if there is one,
+/// every second), the nodes report the lamps of the last command that they believed, the controller moves, and
+/// everything that it shows goes to an observer of its own (street_watch), which knows the site's rules by timestamps
+/// and shares no code with plan and monitor.
 
 #ifndef ELMOPP_TEST_BENCH_H
 #define ELMOPP_TEST_BENCH_H
@@ -38,8 +39,10 @@ typedef struct {
     elmopp_lamps_t broken;   ///< these never do
     bool lamp_fault;
     bool own_fail_safe;
-    bool junction_seen;           ///< there is a junction camera
-    elmopp_occupancy_t occupancy; ///< what it sends
+    bool junction_seen;                            ///< there is a junction camera
+    elmopp_occupancy_t occupancy;                  ///< what it sends
+    uint8_t neighbours;                            ///< mask of the approaches whose neighbour speaks
+    elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX]; ///< what it says
     uint16_t present_veh[ELMOPP_MOVEMENT_MAX];
     uint32_t arrived_veh[ELMOPP_MOVEMENT_MAX];                      ///< running
     bench_fate_t (*fate)(void *state, const elmopp_frame_t *frame); ///< null: every frame passes
@@ -49,6 +52,7 @@ typedef struct {
     uint8_t camera_counter[ELMOPP_APPROACH_MAX];
     uint8_t node_counter[ELMOPP_NODE_MAX];
     uint8_t occupancy_counter;
+    uint8_t neighbour_counter[ELMOPP_APPROACH_MAX];
     uint8_t command_counter;
     elmopp_frame_t late[BENCH_FRAMES_MAX];
     uint32_t late_count;

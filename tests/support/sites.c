@@ -4,7 +4,8 @@
 #include "sites.h"
 
 const elmopp_junction_t *const test_sites[TEST_SITE_COUNT] = {
-    &elmopp_site_paper, &elmopp_site_four_way, &elmopp_site_three_way, &elmopp_site_five_way, &elmopp_site_one_way};
+    &elmopp_site_paper,   &elmopp_site_four_way,   &elmopp_site_three_way,   &elmopp_site_five_way,
+    &elmopp_site_one_way, &elmopp_site_left_lanes, &elmopp_site_shared_lanes};
 
 static elmopp_movement_t movement(uint32_t index) {
     return (elmopp_movement_t){.name = "movement",

@@ -10,11 +10,13 @@
 
 extern const elmopp_junction_t elmopp_site_paper;
 extern const elmopp_junction_t elmopp_site_four_way;
+extern const elmopp_junction_t elmopp_site_shared_lanes;
 extern const elmopp_junction_t elmopp_site_three_way;
 extern const elmopp_junction_t elmopp_site_five_way;
+extern const elmopp_junction_t elmopp_site_left_lanes;
 extern const elmopp_junction_t elmopp_site_one_way;
 
-#define TEST_SITE_COUNT 5U
+#define TEST_SITE_COUNT 7U
 
 /// All generated sites.
 extern const elmopp_junction_t *const test_sites[TEST_SITE_COUNT];

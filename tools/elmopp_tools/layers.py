@@ -49,6 +49,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "link": LEVEL_0,
     "lstm_f32": LEVEL_0,
     "monitor": LEVEL_0,
+    "outflow": LEVEL_0,
     "plan": LEVEL_0,
     "sight": LEVEL_0,
     "site": LEVEL_0,
@@ -60,16 +61,16 @@ ROOMS: dict[str, frozenset[str]] = {
     "future": LEVEL_0 | {"account", "coming", "sight"},
     "rollout": LEVEL_0 | {"account", "coming", "future", "sight"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | MODELS | {"account", "weights"},
+    "forecast": LEVEL_0 | MODELS | {"account", "outflow", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
     # level 2: what goes over the bus, in the core's words
-    "frames": LEVEL_0 | {"detector", "link"},
+    "frames": LEVEL_0 | {"detector", "link", "outflow"},
     # the other side of the bus, a device of its own
-    "lamp_node": LEVEL_0 | {"detector", "frames", "link"},
+    "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
     # level 4: the inner seam
-    "pilot": LEVEL_0 | MODELS | {"account", "forecast", "plan", "pressure", "site", "urgency", "weights"},
+    "pilot": LEVEL_0 | MODELS | {"account", "forecast", "outflow", "plan", "pressure", "site", "urgency", "weights"},
     # level 5: the outer seam
     "controller": LEVEL_0
     | MODELS
@@ -80,6 +81,7 @@ ROOMS: dict[str, frozenset[str]] = {
         "frames",
         "link",
         "monitor",
+        "outflow",
         "pilot",
         "plan",
         "site",

@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 ABI_VERSION = 1
 NO_STAGE = -1
+TRAVEL_OF_SITE = 0xFFFFFFFF
 ASPECT_BYTES = 17
 MESSAGE_BYTES = 256
 REFUSED = 1
@@ -49,6 +50,16 @@ class _Options(ctypes.Structure):
     )
 
 
+class Announced(ctypes.Structure):
+    """What the neighbour of an approach says of those who have left it; nothing at all by default."""
+
+    _fields_ = tuple((name, ctypes.c_float) for name in ("next10_veh", "next30_veh", "next60_veh", "ahead_s"))
+    next10_veh: float
+    next30_veh: float
+    next60_veh: float
+    ahead_s: float
+
+
 class _Second(ctypes.Structure):
     _fields_ = (
         ("size", ctypes.c_uint32),
@@ -57,6 +68,7 @@ class _Second(ctypes.Structure):
         ("arrived_veh", ctypes.POINTER(ctypes.c_float)),
         ("downstream_veh", ctypes.POINTER(ctypes.c_float)),
         ("occupied", ctypes.c_uint32),
+        ("announced", ctypes.POINTER(Announced)),
     )
 
 
@@ -120,7 +132,7 @@ class CoreJunction:
         site: bytes,
         chooser: str | None = None,
         *,
-        travel_s: int = 0,
+        travel_s: int = TRAVEL_OF_SITE,
         seed: int = 0,
         weights: bytes | None = None,
         library: Path | None = None,
@@ -144,7 +156,8 @@ class CoreJunction:
         self._library.elmopp_shape(self._handle, ctypes.byref(self.shape))
         row = ctypes.c_float * max(1, self.shape.movements)
         self._rows = (row(), row(), row())
-        self._second = _Second(ctypes.sizeof(_Second), 0, *self._rows)
+        self._announced = (Announced * max(1, self.shape.approaches))()
+        self._second = _Second(ctypes.sizeof(_Second), 0, *self._rows, 0, self._announced)
         self._aspects = ctypes.create_string_buffer(ASPECT_BYTES)
 
     def __enter__(self) -> Self:
@@ -168,15 +181,18 @@ class CoreJunction:
         recall: int = 0,
         *,
         occupied: bool = False,
+        announced: Sequence[Announced] = (),
     ) -> None:
         """Takes one second's counts, a value a movement; LibraryError for values that are no counts.
 
-        `occupied`: somebody is known to stand inside the junction.
+        `occupied`: somebody is known to stand inside the junction. `announced`: what neighbours say, a value an
+        approach, or none at all.
         """
         nothing = [0.0] * self.shape.movements
         for row, values in zip(self._rows, (present_veh, arrived_veh, downstream_veh or nothing), strict=True):
             row[: self.shape.movements] = list(values)
         self._second.recall, self._second.occupied = recall, occupied
+        self._announced[: self.shape.approaches] = list(announced) or [Announced()] * self.shape.approaches
         if self._library.elmopp_count(self._handle, ctypes.byref(self._second)) == REFUSED:
             counts = ", ".join(str(list(row[: self.shape.movements])) for row in self._rows)
             raise LibraryError(f"counts {counts} ; finite numbers from 0 to a million")

@@ -111,15 +111,23 @@ def _movement(document: Document, item: Document, approaches: Sequence[str], gro
     name = item["name"]
     lanes = int(item.get("lanes", 1))
     own_or_common = ChainMap(item, document)
+    approach = index_of(approaches, item["approach"], f"approach of movement {name}")
     return Movement(
         name=name,
-        approach=index_of(approaches, item["approach"], f"approach of movement {name}"),
+        approach=approach,
         groups=mask_of(group_names, item["groups"], f"group of movement {name}"),
         lanes=lanes,
         capacity_veh=single(item.get("capacity_veh", lanes * document["reach_m"] / QUEUED_VEHICLE_M)),
         saturation_veh_per_s=single(lanes * own_or_common["saturation_veh_per_s"]),
         startup_ds=tenths(f"startup_s of movement {name}", own_or_common["startup_s"]),
+        limit_km_per_h=_limit(document, approach),
     )
+
+
+def _limit(document: Document, approach: int) -> int:
+    """Of an approach: its own, the site's, or 0 where nobody says."""
+    own_or_common = ChainMap(document["approaches"][approach], document)
+    return int(own_or_common.get("speed_km_per_h", 0))
 
 
 def _group(item: Document) -> Group:

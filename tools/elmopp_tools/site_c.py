@@ -106,8 +106,13 @@ def _movement(index: int, movement: Movement) -> str:
         f'[{index}] = {{ .name = "{movement.name}", .capacity_veh = {float_literal(movement.capacity_veh)}, '
         f".saturation_veh_per_s = {float_literal(movement.saturation_veh_per_s)}, "
         f".startup_ds = {movement.startup_ds}U, "
-        f".groups = 0x{movement.groups:04X}U, .approach = {movement.approach}U, .lanes = {movement.lanes}U }},"
+        f".groups = 0x{movement.groups:04X}U, .approach = {movement.approach}U, .lanes = {movement.lanes}U"
+        f"{_limit(movement)} }},"
     )
+
+
+def _limit(movement: Movement) -> str:
+    return f", .limit_km_per_h = {movement.limit_km_per_h}U" if movement.limit_km_per_h else ""
 
 
 def _group(index: int, group: Group) -> str:

@@ -33,7 +33,7 @@ VERSION = 3
 WORD_SIZE = 2
 
 _HEAD = struct.Struct(f"<{SITE_NAME_SIZE}s8B5H8BH2f")
-_MOVEMENT = struct.Struct(f"<{NAME_SIZE}sffHHBB2x")
+_MOVEMENT = struct.Struct(f"<{NAME_SIZE}sffHHBBBx")
 _GROUP = struct.Struct(f"<{NAME_SIZE}s4H2B")
 _STEP = struct.Struct("<HBx")
 _PROGRAM_TAIL = struct.Struct("<B3x")
@@ -130,6 +130,7 @@ def _movement(movement: Movement) -> bytes:
         movement.groups,
         movement.approach,
         movement.lanes,
+        movement.limit_km_per_h,
     )
 
 

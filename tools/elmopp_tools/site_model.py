@@ -67,6 +67,7 @@ class Movement:
     capacity_veh: float
     saturation_veh_per_s: float
     startup_ds: int
+    limit_km_per_h: int = 0  # of its approach; 0: nobody says
 
 
 @dataclass(frozen=True)

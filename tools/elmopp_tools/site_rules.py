@@ -30,6 +30,8 @@ MIN_GREEN_STREET_DS = 50
 MIN_GREEN_SIMULATION_DS = 10
 TIME_MAX_DS = 6000  # ELMOPP_SITE_TIME_MAX_DS: an age of 16 bits that saturates cannot hide that it is over
 JUNCTION_WAIT_MAX_DS = 100  # ELMOPP_SITE_JUNCTION_WAIT_MAX_DS
+LIMIT_MIN_KM_PER_H = 5  # ELMOPP_SITE_LIMIT_MIN_KM_PER_H
+LIMIT_MAX_KM_PER_H = 200  # ELMOPP_SITE_LIMIT_MAX_KM_PER_H
 MINUTES_PER_DAY = 1440
 
 
@@ -125,6 +127,9 @@ def _check_movement(junction: Junction, movement: Movement) -> None:
     if not movement.capacity_veh >= 0.0:
         wrong = f"capacity_veh of movement {movement.name} is negative"
         raise SiteError(wrong, movement.capacity_veh, "at least 0")
+    if movement.limit_km_per_h and not LIMIT_MIN_KM_PER_H <= movement.limit_km_per_h <= LIMIT_MAX_KM_PER_H:
+        wrong = f"speed_km_per_h of the approach of movement {movement.name} is no speed limit"
+        raise SiteError(wrong, movement.limit_km_per_h, f"{LIMIT_MIN_KM_PER_H} to {LIMIT_MAX_KM_PER_H}")
 
 
 def _check_rescue(junction: Junction, movement: Movement, stage: int) -> None:

@@ -11,15 +11,14 @@ from collections.abc import Sequence
 
 import libsumo
 
-from elmopp_tools.library import NO_STAGE, CoreJunction
+from elmopp_tools.library import NO_STAGE, Announced, CoreJunction
 from elmopp_tools.site_image import image_bytes
+from elmopp_tools.sumo_neighbours import Gateway
 from elmopp_tools.sumo_network import Sight
 from elmopp_tools.sumo_report import number
 from elmopp_tools.sumo_signal import GREEN, Signal, Times, junction_of, letters
 
 TICKS_PER_S = 10
-FREE_FLOW_M_PER_S = 12.0  # 0.86 of 50 km/h: what drivers reach on the way to a stop line
-TRAVEL_MAX_S = 12
 
 # Slower than this inside a junction is in the way of whoever starts. SUMO's own halting is 0.1 m/s, but who has only
 # just begun to move on needs seconds to be gone; everybody who drives on is faster, also from a standing start at the
@@ -107,9 +106,8 @@ class Driver:
     def __init__(self, signal: Signal, times: Times, reach_m: float, chooser: str, seed: int) -> None:
         self._signal = signal
         self.waits = times.junction_wait_s > 0
-        travel_s = min(TRAVEL_MAX_S, round(reach_m / FREE_FLOW_M_PER_S))
         site = image_bytes(junction_of(signal, times, reach_m))
-        self._core = CoreJunction(site, chooser, travel_s=travel_s, seed=seed)
+        self._core = CoreJunction(site, chooser, seed=seed)
         self._shown = NO_STAGE
         self._state = ""
         self.drive([0.0] * len(signal.movements), [0.0] * len(signal.movements), None)
@@ -121,9 +119,10 @@ class Driver:
         downstream_veh: Sequence[float] | None,
         *,
         occupied: bool = False,
+        announced: Sequence[Announced] = (),
     ) -> None:
         """Decides for the coming second and shows it. Lamps change at its beginning: all times are whole seconds."""
-        self._core.count(present_veh, arrived_veh, downstream_veh, occupied=occupied)
+        self._core.count(present_veh, arrived_veh, downstream_veh, occupied=occupied, announced=announced)
         aspects = self._core.tick()
         if self._core.stage != NO_STAGE:
             self._shown = self._core.stage
@@ -176,13 +175,20 @@ class Watch:
 
 
 class Street:
-    """All signals of a network, second by second."""
+    """All signals of a network, second by second. With gateways, one a signal, neighbours speak."""
 
-    def __init__(self, signals: Sequence[Signal], sights: Sequence[Sight], drivers: Sequence[Driver]) -> None:
+    def __init__(
+        self,
+        signals: Sequence[Signal],
+        sights: Sequence[Sight],
+        drivers: Sequence[Driver],
+        gateways: Sequence[Gateway] = (),
+    ) -> None:
         self._cameras = [Camera(signal, sight) for signal, sight in zip(signals, sights, strict=True)]
         self._watches = [Watch(signal) for signal in signals]
         self._junction_cameras = [JunctionCamera(sight) for sight in sights]
         self._drivers = drivers
+        self._gateways = gateways
         seen = {
             view.lane: (camera, view.parts)
             for camera, sight in zip(self._cameras, sights, strict=True)
@@ -200,7 +206,9 @@ class Street:
         for index, driver in enumerate(self._drivers):
             camera = self._cameras[index]
             occupied = driver.waits and self._junction_cameras[index].is_occupied()
-            driver.drive(camera.present_veh, camera.arrived_veh, self._downstream_veh(index), occupied=occupied)
+            announced = self._gateways[index].listen() if self._gateways else ()
+            behind_veh = self._downstream_veh(index)
+            driver.drive(camera.present_veh, camera.arrived_veh, behind_veh, occupied=occupied, announced=announced)
 
     def _downstream_veh(self, index: int) -> list[float]:
         """For each movement the vehicles that wait at the next signal on its ways on, their mean; 0 behind the last."""

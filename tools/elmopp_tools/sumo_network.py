@@ -16,7 +16,10 @@ from typing import Any
 import libsumo
 import sumolib
 
+from elmopp_tools.sumo_neighbours import Road
 from elmopp_tools.sumo_signal import LaneGroup, Phase, Programme, Signal, SignalError
+
+FREE_FLOW_SHARE = 0.864  # of the limit: what drivers reach, as the core's sight.h has it
 
 # SUMO's links of a signal: for each the lanes from and to, and the one across the junction.
 Links = Sequence[Sequence[tuple[str, str, str]]]
@@ -138,6 +141,39 @@ class Network:
             downstream=tuple(_downstream(links, movement) for movement in signal.movements),
             inside=self._inside(links),
         )
+
+    def roads(self, signal: Signal, reach_m: float, signals: frozenset[str]) -> list[Road]:
+        """The roads from other signals to the reach of this one, of the approaches that are one whole edge."""
+        edges = [sorted({signal.movements[index].edge for index in members}) for members in signal.approaches]
+        once = [edge for names in edges for edge in names]
+        found = []
+        for approach, names in enumerate(edges):
+            if len(names) == 1 and once.count(names[0]) == 1 and not names[0].startswith(":"):
+                found += self._road(approach, names[0], reach_m, signals)
+        return found
+
+    def _road(self, approach: int, edge_name: str, reach_m: float, signals: frozenset[str]) -> list[Road]:
+        """None if somebody may come from elsewhere, or if the reach goes as far as the neighbour."""
+        edge = self.net.getEdge(edge_name)
+        seen, travel_s, left_m = set(), 0.0, reach_m
+        while edge.getID() not in seen:
+            seen.add(edge.getID())
+            travel_s += max(edge.getLength() - left_m, 0.0) / (FREE_FLOW_SHARE * edge.getSpeed())
+            left_m = max(left_m - edge.getLength(), 0.0)
+            before = [one for one in edge.getIncoming() if not one.getFunction()]
+            at_signal = [self._is_at_signal(one, edge, signals) for one in before]
+            if before and all(at_signal):
+                return [Road(approach, edge.getID(), int(travel_s))] if int(travel_s) > 0 else []
+            if len(before) != 1:
+                break
+            edge = before[0]
+        return []
+
+    @staticmethod
+    def _is_at_signal(before: Any, edge: Any, signals: frozenset[str]) -> bool:
+        """Whether every lane that leads from one edge to the other ends at a signal."""
+        lanes = {connection.getFromLane().getID() for connection in before.getConnections(edge)}
+        return bool(lanes) and lanes <= signals
 
     def _inside(self, links: Links) -> tuple[str, ...]:
         """The lanes across the junction that vehicles take, piece by piece: a left turn may wait between two."""

@@ -20,6 +20,7 @@ from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, wh
 from elmopp_tools.seeds import seeds_of
 from elmopp_tools.site_image import image_bytes
 from elmopp_tools.sumo_drive import Driver, PathLog, Street
+from elmopp_tools.sumo_neighbours import Gateway
 from elmopp_tools.sumo_network import Network
 from elmopp_tools.sumo_own import PROGRAM, TYPES, own_programmes
 from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row, table
@@ -74,6 +75,7 @@ class Job:
     reach_m: float
     allow_partial: bool
     paths: Path | None
+    neighbours: bool = False
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -130,6 +132,10 @@ def _parser() -> argparse.ArgumentParser:
         "not); SUMO's own controllers never do",
     )  # fmt: skip
     parser.add_argument("--reach", metavar="M", type=_reach, default=100.0, help="how far cameras see (default: 100)")
+    parser.add_argument(
+        "--neighbours", action="store_true",
+        help="signals announce to the next ones who has left them; the column forecast then ends in +neighbours",
+    )  # fmt: skip
     parser.add_argument("--csv", metavar="FILE", default="-", help="the table (default: -, the terminal)")
     parser.add_argument(
         "--paths", metavar="FILE", type=Path,
@@ -186,12 +192,23 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         junction_wait_s=options.junction_wait,
     )
     _check_chooser(options.chooser, times)
+    if options.neighbours and options.chooser in TYPES:
+        raise ScenarioError(f"--neighbours with --chooser {options.chooser} ; a chooser of ours, as SUMO's hear nobody")
     if options.paths == Path("-"):
         raise ScenarioError("--paths - ; a file, as the terminal may have the table")
     if options.paths and len(options.seeds) > 1:
         raise ScenarioError(f"--paths {options.paths} with {len(options.seeds)} seeds ; one, as the file is of one run")
     return [
-        Job(scenario, options.chooser, seed, times, options.reach, options.allow_partial, options.paths)
+        Job(
+            scenario,
+            options.chooser,
+            seed,
+            times,
+            options.reach,
+            options.allow_partial,
+            options.paths,
+            options.neighbours,
+        )
         for seed in options.seeds
     ]
 
@@ -284,7 +301,8 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
         sights = [network.sight(signal, job.reach_m, at_signals) for signal in signals]
         if not own:
             drivers = [Driver(signal, job.times, job.reach_m, job.chooser, job.seed) for signal in signals]
-        street = Street(signals, sights, drivers)
+        gateways = _gateways(job, network, signals, at_signals) if job.neighbours else []
+        street = Street(signals, sights, drivers, gateways)
         log = PathLog(signals, sights) if job.paths else None
         _simulate(street, job.scenario.end_s, log)
     finally:
@@ -294,10 +312,22 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
     if job.paths and log:
         write({job.paths: table(log.rows, PathLog.columns)})
     name, _, forecast = job.chooser.partition(":")
-    names = (job.scenario.name, name, forecast or "none", job.seed)
+    told = "+neighbours" if job.neighbours else ""
+    names = (job.scenario.name, name, (forecast or "none") + told, job.seed)
     return row(
         names, len(signals), read_trips(trips), read_statistics(statistics), street.longest_red_s, street.switches
     )
+
+
+def _gateways(job: Job, network: Network, signals: Sequence[Signal], at_signals: frozenset[str]) -> list[Gateway]:
+    """One a signal; a request in which nobody has a neighbour is a mistake."""
+    roads = [network.roads(signal, job.reach_m, at_signals) for signal in signals]
+    if not any(roads):
+        raise ScenarioError(
+            f"--neighbours with {job.scenario.name}: no road leads from one signal to the reach of another ; a network "
+            f"that has one, or a shorter --reach than {job.reach_m:g}"
+        )
+    return [Gateway(own, len(signal.approaches)) for own, signal in zip(roads, signals, strict=True)]
 
 
 def _start(arguments: Sequence[str]) -> None:

@@ -14,6 +14,11 @@
 /// A site whose changes wait for an occupied junction listens to JunctionOccupied, too. A sign that is missing,
 /// invalid, or older than 0.6 s is none: a camera that fails costs nobody any time.
 ///
+/// What neighbours have sent to an approach (NeighbourOutflow) becomes the beginning of the rows that the chooser sees,
+/// for as long as the road takes and the frame is no older than 3 s. Silent, stale or spoilt: as if never announced. It
+/// cannot move a lamp by itself, as a forecast cannot: what is chosen by it goes through plan and monitor like any
+/// wish.
+///
 /// Diagnosis goes on all the time: the site's data and the weights are summed up again and again, a piece a tick, and
 /// compared with what was checked at the start.
 ///
@@ -72,13 +77,15 @@ typedef struct {
 /// The bus as the controller sees it.
 typedef struct {
     elmopp_link_t camera[ELMOPP_APPROACH_MAX];
+    elmopp_link_t neighbour[ELMOPP_APPROACH_MAX];
     elmopp_link_t node[ELMOPP_NODE_MAX];
     elmopp_link_t junction_camera;
     elmopp_link_t command;
-    elmopp_lamps_t measured; ///< all nodes together
-    uint8_t used_nodes;      ///< mask
-    uint8_t unwell_nodes;    ///< mask: a lamp fault, or flashing by themselves
-    uint8_t lamp_counter;    ///< of the frames to send
+    elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX]; ///< what neighbours have said, as of the last second
+    elmopp_lamps_t measured;                       ///< all nodes together
+    uint8_t used_nodes;                            ///< mask
+    uint8_t unwell_nodes;                          ///< mask: a lamp fault, or flashing by themselves
+    uint8_t lamp_counter;                          ///< of the frames to send
     uint8_t status_counter;
     uint8_t forecast_counter[ELMOPP_APPROACH_MAX];
     uint8_t refused; ///< frames and commands, modulo 256

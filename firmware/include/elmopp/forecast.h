@@ -28,10 +28,8 @@
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
 ///
-/// What a neighbouring junction has announced is told, not foreseen: it is the beginning of the approach's row whatever
-/// the kind, and ann and gcn run on it as on their own output, so that over the graph it reaches the other approaches.
-///
-/// What it says is entered in an account of its error (account.h).
+/// What it says is entered in an account of its error (account.h). What neighbours announce (outflow.h) is laid over
+/// the beginning of rows afterwards.
 ///
 /// Owner: the pilot. Not thread-safe; bounded by ELMOPP_APPROACH_MAX times the steps asked for.
 
@@ -41,6 +39,7 @@
 #include "elmopp/account.h"
 #include "elmopp/ar8.h"
 #include "elmopp/junction.h"
+#include "elmopp/outflow.h"
 #include "elmopp/weights.h"
 
 #define ELMOPP_FORECAST_MEAN_WINDOW_S 900U ///< running mean and shares
@@ -88,8 +87,6 @@ typedef struct {
     float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second
     elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];
     elmopp_gcn_f32_graph_t graph;               ///< of the approaches
-    const float *told_veh[ELMOPP_APPROACH_MAX]; ///< [approach] what is known of its coming seconds
-    uint16_t told_s[ELMOPP_APPROACH_MAX];       ///< ... and of how many; 0: of none
     elmopp_account_t account;
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
 } elmopp_forecast_t;
@@ -101,18 +98,19 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
 /// Absorbs the vehicles per movement of one second: finite, >= 0.
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh);
 
-/// Tells it, after an observation, who will come to an approach in the next `seconds` (at most ELMOPP_HORIZON_MAX):
-/// vehicles of each second, finite, >= 0, which must outlive the look. Forgotten with the next observation.
-void elmopp_forecast_tell(elmopp_forecast_t *self, uint32_t approach, const float *coming_veh, uint16_t seconds);
-
 /// Fills `rows[approach]` with pointers to `steps` (at most ELMOPP_HORIZON_MAX) values each, valid until the next call,
 /// and returns the steps; with `none` the rows are null and it returns 0. Call it once after each observation: what it
 /// says is entered in the account.
 uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
-/// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to. What was told
-/// stays.
+/// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to.
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
+
+/// Lays what neighbours say ([approach]) over rows that are there, of `steps` seconds; where there are none (0) over
+/// rows of nobody of `asked` seconds. Returns the steps of the rows, which are then the forecast's own memory. If no
+/// neighbour says anything, rows and steps stay as they are. The account knows nothing of it: it is of the forecast.
+uint16_t elmopp_forecast_hear(elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX],
+                              uint16_t asked, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
 /// True for the kinds that need weights, which are those that can be distrusted: lstm, nlstm, ann and gcn.
 bool elmopp_forecast_is_network(uint8_t kind);

@@ -15,6 +15,7 @@
 #include "elmopp/lamps.h"
 #include "elmopp/link.h"
 #include "elmopp/mode.h"
+#include "elmopp/outflow.h"
 
 /// What a Command may ask for. The numbers are those of the bus.
 typedef enum {
@@ -77,6 +78,7 @@ uint8_t elmopp_frames_counts(const elmopp_frame_t *frame,
                              elmopp_detector_report_t report[ELMOPP_APPROACH_MOVEMENT_MAX]);
 elmopp_feedback_t elmopp_frames_feedback(const elmopp_frame_t *frame);
 elmopp_occupancy_t elmopp_frames_occupancy(const elmopp_frame_t *frame);
+elmopp_outflow_t elmopp_frames_outflow(const elmopp_frame_t *frame); ///< of age 0; `ahead_s` in whole seconds, down
 elmopp_request_t elmopp_frames_command(const elmopp_frame_t *frame, uint32_t *argument);
 
 /// The other side of the bus, for simulators and lamp nodes: frames not yet sealed, and the lamps of a LampCommand.
@@ -86,6 +88,7 @@ elmopp_frame_t elmopp_frames_make_counts(uint32_t approach,
                                          uint8_t reason);
 elmopp_frame_t elmopp_frames_make_feedback(uint32_t node, const elmopp_feedback_t *feedback);
 elmopp_frame_t elmopp_frames_make_occupancy(const elmopp_occupancy_t *occupancy);
+elmopp_frame_t elmopp_frames_make_outflow(uint32_t approach, const elmopp_outflow_t *outflow);
 bool elmopp_frames_lamps(const elmopp_frame_t *frame, elmopp_lamps_t *lamps);
 
 #endif

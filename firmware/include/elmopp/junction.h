@@ -62,6 +62,9 @@ enum {
     ELMOPP_FLASH_DARK = 2   ///< shows nothing
 };
 
+/// The speed limit of an approach whose site does not say: that of a street in a town.
+#define ELMOPP_JUNCTION_LIMIT_KM_PER_H 50U
+
 /// What a line of the schedule may start instead of a programme.
 enum {
     ELMOPP_SCHEDULE_FLASH = 255 ///< night flash
@@ -76,7 +79,8 @@ typedef struct {
     uint16_t groups;             ///< mask of the signal groups that must all be green for it to go
     uint8_t approach;            ///< index of its approach
     uint8_t lanes;               ///< pavement lanes
-    uint8_t reserved[2];
+    uint8_t limit_km_per_h;      ///< speed limit of its approach; 0: nobody says, ELMOPP_JUNCTION_LIMIT_KM_PER_H
+    uint8_t reserved;
 } elmopp_movement_t;
 
 /// One signal group with its times in tenths of a second.
@@ -167,6 +171,9 @@ float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement,
 
 /// Flow in vehicles per second with which a queue leaves on full green, never more than the queue itself in one second.
 float elmopp_junction_discharge(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);
+
+/// Speed limit on the approach of a movement. Kilometres per hour.
+uint32_t elmopp_junction_limit_km_per_h(const elmopp_junction_t *junction, uint32_t movement);
 
 /// True if bit `index` of a mask of groups, movements or stages is set.
 bool elmopp_mask_has(uint32_t mask, uint32_t index);

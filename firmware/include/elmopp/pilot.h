@@ -30,11 +30,12 @@
 /// A movement waits if at least this many vehicles are counted on it.
 #define ELMOPP_PILOT_DEMAND_VEH 1.0F
 
-/// What was counted in the last second. Arrays of movement_count values, finite and >= 0.
+/// What is known of the last second. Arrays of movement_count values, finite and >= 0.
 typedef struct {
     const float *present_veh; ///< vehicles inside the reach
     const float *arrived_veh; ///< vehicles that came in the last second
     uint32_t recall;          ///< mask of the movements whose counts are not to be believed: somebody may wait there
+    const elmopp_outflow_t *outflow; ///< [ELMOPP_APPROACH_MAX] what neighbours announce; null: nobody does
 } elmopp_counts_t;
 
 /// A forecast from outside (a simulator's oracle): rows as in elmopp_view_t.
@@ -84,8 +85,9 @@ void elmopp_pilot_restart(elmopp_pilot_t *self);
 /// Whether a number can be a count of vehicles: finite, not negative, at most a million.
 bool elmopp_pilot_is_count(float value_veh);
 
-/// Decides, once a second. With `foreseen` (null: none) its rows replace the forecast's. False if a value is no count:
-/// the second was then a blind one.
+/// Decides, once a second. What neighbours announce is laid over the beginning of the rows that the chooser sees, where
+/// they come from whatsoever; nothing else hears of it. With `foreseen` (null: none) its rows replace the forecast's.
+/// False if a value is no count: the second was then a blind one.
 bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, const elmopp_foreseen_t *foreseen);
 
 /// In place of a step, for a second in which nobody could count: nothing is learnt, the wish stays, and every movement

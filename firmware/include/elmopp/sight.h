@@ -36,19 +36,19 @@
 
 #define ELMOPP_SIGHT_TRAVEL_MAX_S 12U
 
-/// What drivers reach on the way to a stop line: 0.86 of 50 km/h.
-#define ELMOPP_SIGHT_FREE_FLOW_M_PER_S 12.0F
+/// What drivers reach of the limit on the way to a stop line, 0.864 of it: 12 m/s at 50 km/h.
+#define ELMOPP_SIGHT_FREE_FLOW_M_PER_S_PER_KM_PER_H 0.24F
 
 /// Below this share of the site's saturation flow a stage does not really serve a movement.
 #define ELMOPP_SIGHT_SERVED_SHARE 0.25F
 
 /// What can be varied. elmopp_sight_defaults() says what was measured to be good.
 typedef struct {
-    uint16_t travel_s;      ///< from the edge of the counted reach to the stop line at free flow; 0: no reach
-    uint16_t mean_window_s; ///< memory of the mean arrivals, at least 1
-    uint16_t block_s;       ///< green with a queue and no departure for so long: blocked
-    float prior_s;          ///< seconds of departures that the site's saturation flow is worth
-    float forget_per_s;     ///< share of what was learnt that each further second of departures takes away
+    uint16_t travel_s[ELMOPP_MOVEMENT_MAX]; ///< edge of the reach to stop line at free flow; 0: no reach
+    uint16_t mean_window_s;                 ///< memory of the mean arrivals, at least 1
+    uint16_t block_s;                       ///< green with a queue and no departure for so long: blocked
+    float prior_s;                          ///< seconds of departures that the site's saturation flow is worth
+    float forget_per_s; ///< share of what was learnt that each further second of departures takes away
 } elmopp_sight_options_t;
 
 /// State. Set up by elmopp_sight_init(); read it, write nothing.
@@ -72,11 +72,14 @@ typedef struct {
     elmopp_stage_t stage;                                          ///< view->stage of the last second
 } elmopp_sight_t;
 
-/// Whole seconds through a reach at ELMOPP_SIGHT_FREE_FLOW_M_PER_S, at most ELMOPP_SIGHT_TRAVEL_MAX_S.
-uint16_t elmopp_sight_travel_s(float reach_m);
+/// Whole seconds through the site's reach to a movement's stop line at free flow, at most ELMOPP_SIGHT_TRAVEL_MAX_S.
+uint16_t elmopp_sight_travel_s(const elmopp_junction_t *junction, uint32_t movement);
 
-/// 120 s of arrivals, 30 s of prior, forgetting over 600 s, blocked after 8 s.
+/// 120 s of arrivals, 30 s of prior, forgetting over 600 s, blocked after 8 s; the same travel time everywhere.
 elmopp_sight_options_t elmopp_sight_defaults(uint16_t travel_s);
+
+/// The same with the travel times of a site: its reach at the limits of its approaches.
+elmopp_sight_options_t elmopp_sight_of_site(const elmopp_junction_t *junction);
 
 /// Nobody has been seen. The junction must outlive the sight. Asserts travel_s <= ELMOPP_SIGHT_TRAVEL_MAX_S,
 /// mean_window_s >= 1, prior_s > 0 and forget_per_s within 0 to 1.

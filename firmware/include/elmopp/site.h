@@ -32,7 +32,7 @@ typedef enum {
     ELMOPP_SITE_START,      ///< no such first stage, a camera without an approach, or a start-up time too long
     ELMOPP_SITE_WAIT,       ///< the wait for an occupied junction is beyond ELMOPP_SITE_JUNCTION_WAIT_MAX_DS
     ELMOPP_SITE_APPROACH,   ///< more movements than ELMOPP_APPROACH_MOVEMENT_MAX [approach]
-    ELMOPP_SITE_MOVEMENT,   ///< capacity, saturation flow, lanes, approach or groups make no movement [movement]
+    ELMOPP_SITE_MOVEMENT,   ///< capacity, saturation flow, lanes, limit, approach or groups make none [movement]
     ELMOPP_SITE_RESCUE,     ///< the rescue stage does not exist or does not serve the movement [movement]
     ELMOPP_SITE_GROUP,      ///< a time is outside of its rule, or there is no such lamp node or way to flash [group]
     ELMOPP_SITE_CONFLICT,   ///< a group conflicts with itself, with none that exists, or one-sidedly [group, group]
@@ -68,6 +68,10 @@ typedef struct {
 /// Ten seconds: whoever stands in the junction for longer is held up by something that red does not clear, and every
 /// change of a bound on red must have room for the whole wait.
 #define ELMOPP_SITE_JUNCTION_WAIT_MAX_DS 100U
+
+/// A speed limit that a site says, kilometres per hour.
+#define ELMOPP_SITE_LIMIT_MIN_KM_PER_H 5U
+#define ELMOPP_SITE_LIMIT_MAX_KM_PER_H 200U
 
 /// True if every rule holds; otherwise the first fault.
 elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction);
