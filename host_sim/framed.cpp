@@ -290,7 +290,8 @@ class Framed final : public Control {
 Setting street_setting(const Scenario &scenario, const ChooserSpec &spec) {
     Setting setting = scenario.setting();
     if (spec.name == "rollout") {
-        setting.travel_s = elmopp_sight_travel_s(scenario.junction.reach_m);
+        const elmopp_sight_options_t sight = elmopp_sight_of_site(&scenario.junction);
+        std::copy(std::begin(sight.travel_s), std::end(sight.travel_s), setting.travel_s.begin());
     }
     return setting;
 }
