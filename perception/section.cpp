@@ -1,0 +1,440 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "section.hpp"
+
+#include "split.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace elmopp {
+namespace {
+
+constexpr double line_half = 0.14; ///< rows about the line that are averaged, in lane widths
+constexpr double smooth_s = 0.12;  ///< ... over this time
+constexpr double covered_share = 0.5;
+constexpr double vehicle_lanes = 0.8; ///< a typical vehicle is drawn so long
+constexpr double least_s = 0.08;      ///< a vehicle on the line
+constexpr double least_width = 0.30;  ///< lanes
+constexpr double least_area = 0.10;   ///< lanes x typical vehicles
+constexpr double least_hill = 0.16;   ///< lanes from the border
+constexpr double outside = 0.16;      ///< lanes beyond the section that still count
+constexpr std::size_t typical_of = 15;
+
+double median_of(const std::deque<double> &values) {
+    std::vector<double> sorted(values.begin(), values.end());
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    return sorted[sorted.size() / 2];
+}
+
+double lane_of_column(double column) {
+    return (column - patch_margin) / patch_unit;
+}
+
+} // namespace
+
+Section::Section(const std::vector<Lane> &lanes, cv::Size picture)
+    : lanes_(lanes), patch_(Patch::across(lanes, picture)), background_(patch_.valid()), odometers_(lanes.size()),
+      covered_(lanes.size(), false) {}
+
+bool Section::standing(int lane) const {
+    return covered(lane) && odometers_[static_cast<std::size_t>(lane)].last().still;
+}
+
+double Section::progress_of(int first, int last) const {
+    double sum = 0;
+    double weight = 0;
+    for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+        const int left = patch_margin + static_cast<int>(lane) * patch_unit;
+        const double share = std::min(last, left + patch_unit - 1) - std::max(first, left) + 1;
+        if (share > 0) {
+            sum += share * odometers_[lane].last().progress;
+            weight += share;
+        }
+    }
+    return weight > 0 ? sum / weight : 1.0;
+}
+
+/// The mask at the line, averaged along and across it and over time: [1][columns] of 255 and 0. Empty: not yet.
+cv::Mat Section::line_row(const cv::Mat &object, double dt_s) {
+    const int middle = object.rows / 2;
+    const int half = static_cast<int>(std::lround(line_half * patch_unit));
+    cv::Mat mean;
+    cv::reduce(object.rowRange(middle - half, middle + half + 1), mean, 0, cv::REDUCE_AVG, CV_32F);
+    cv::blur(mean, mean, cv::Size(3, 1));
+    const auto many = static_cast<std::size_t>(std::max(1.0, std::round(smooth_s / dt_s)));
+    rows_.back().first = mean;
+    while (rows_.size() > many) {
+        rows_.pop_front();
+    }
+    cv::Mat sum = cv::Mat::zeros(mean.size(), CV_32F);
+    for (const auto &row : rows_) {
+        sum += row.first;
+    }
+    return sum > covered_share * 255.0 * static_cast<double>(rows_.size());
+}
+
+void Section::feed(const Background::Sample &sample, std::int64_t frame, double t_s, double dt_s) {
+    dt_s_ = dt_s;
+    seen_ = background_.look(sample);
+    background_.renew(seen_, dt_s, cv::Mat(), 0.4);
+    const cv::Mat change = seen_.change;
+    for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+        const cv::Range columns(patch_margin + static_cast<int>(lane) * patch_unit,
+                                patch_margin + static_cast<int>(lane + 1) * patch_unit);
+        odometers_[lane].feed(change.colRange(columns), seen_.object.colRange(columns), background_.noise(), dt_s);
+    }
+    rows_.emplace_back(cv::Mat(), std::make_pair(frame, t_s));
+    const cv::Mat row = line_row(seen_.object, dt_s);
+    const auto &when = rows_[rows_.size() / 2].second;
+    grow(row, when.first, when.second);
+    settle(t_s);
+}
+
+void Section::grow(const cv::Mat &row, std::int64_t frame, double t_s) {
+    const int beyond = static_cast<int>(outside * patch_unit);
+    const int from = patch_margin - beyond;
+    const int to = row.cols - patch_margin + beyond;
+    std::vector<std::pair<int, int>> runs;
+    for (int c = from; c < to; ++c) {
+        if (row.at<uchar>(c) != 0) {
+            if (!runs.empty() && runs.back().second == c - 1) {
+                runs.back().second = c;
+            } else {
+                runs.emplace_back(c, c);
+            }
+        }
+    }
+    for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+        const int left = patch_margin + static_cast<int>(lane) * patch_unit;
+        const int many = cv::countNonZero(row.colRange(left, left + patch_unit));
+        covered_[lane] = many > patch_unit * 2 / 5;
+    }
+    std::vector<std::pair<std::size_t, std::pair<int, int>>> tips;
+    std::vector<bool> goes_on(blobs_.size(), false);
+    std::vector<std::size_t> merged(blobs_.size());
+    std::iota(merged.begin(), merged.end(), std::size_t{0});
+    const auto root = [&merged](std::size_t i) {
+        while (merged[i] != i) {
+            i = merged[i];
+        }
+        return i;
+    };
+    for (const auto &run : runs) {
+        std::size_t mine = blobs_.size();
+        for (const auto &[tip, columns] : tips_) {
+            if (columns.first > run.second + 1 || columns.second < run.first - 1) {
+                continue;
+            }
+            const std::size_t other = root(tip);
+            if (mine == blobs_.size()) {
+                mine = other;
+            } else if (other != mine) {
+                // Two become one: on the same scale, as of now.
+                const double offset = blobs_[mine].position - blobs_[other].position;
+                for (Run &moved : blobs_[other].runs) {
+                    moved.position += offset;
+                    blobs_[mine].runs.push_back(moved);
+                }
+                blobs_[mine].moved += blobs_[other].moved;
+                blobs_[other].runs.clear();
+                merged[other] = mine;
+            }
+        }
+        if (mine == blobs_.size()) {
+            blobs_.emplace_back();
+            goes_on.push_back(true);
+            merged.push_back(mine);
+        }
+        goes_on[mine] = true;
+        tips.emplace_back(mine, run);
+    }
+    std::vector<bool> stepped(blobs_.size(), false);
+    for (auto &[tip, run] : tips) {
+        tip = root(tip);
+        goes_on[tip] = true;
+    }
+    for (const auto &[tip, run] : tips) {
+        Blob &blob = blobs_[tip];
+        const double progress = progress_of(run.first, run.second) * dt_s_;
+        if (!stepped[tip]) {
+            blob.position += progress;
+            stepped[tip] = true;
+        }
+        blob.runs.push_back({blob.position, progress, frame, t_s, run.first, run.second});
+        for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+            const int middle = patch_margin + static_cast<int>(lane) * patch_unit + patch_unit / 2;
+            if (run.first <= middle && middle <= run.second && odometers_[lane].last().sure) {
+                blob.moved += odometers_[lane].last().rows;
+            }
+        }
+    }
+    // A lane that stands keeps its blob, flicker or not.
+    for (const auto &[tip, columns] : tips_) {
+        const std::size_t blob = root(tip);
+        if (!goes_on[blob] && progress_of(columns.first, columns.second) <= 0.02) {
+            goes_on[blob] = true;
+            tips.emplace_back(blob, columns);
+        }
+    }
+    for (std::size_t i = 0; i < blobs_.size(); ++i) {
+        if (root(i) == i && !goes_on[i]) {
+            end(blobs_[i]);
+            blobs_[i].runs.clear();
+        }
+    }
+    // Only those that go on are kept.
+    std::vector<std::size_t> number(blobs_.size(), 0);
+    std::vector<Blob> kept;
+    for (std::size_t i = 0; i < blobs_.size(); ++i) {
+        if (root(i) == i && goes_on[i]) {
+            number[i] = kept.size();
+            kept.push_back(std::move(blobs_[i]));
+        }
+    }
+    for (auto &[tip, columns] : tips) {
+        tip = number[tip];
+    }
+    blobs_ = std::move(kept);
+    tips_ = std::move(tips);
+}
+
+cv::Mat Section::draw(const Blob &blob, double scale, std::vector<const Run *> &row_runs, int &left) const {
+    double low = 1e18;
+    double high = -1e18;
+    int first = 1 << 20;
+    int last = 0;
+    for (const Run &run : blob.runs) {
+        low = std::min(low, run.position - run.progress);
+        high = std::max(high, run.position);
+        first = std::min(first, run.first);
+        last = std::max(last, run.last);
+    }
+    const int rows = std::max(1, static_cast<int>(std::ceil((high - low) * scale)));
+    cv::Mat shape = cv::Mat::zeros(rows, last - first + 1, CV_8U);
+    row_runs.assign(static_cast<std::size_t>(rows), nullptr);
+    left = first;
+    for (const Run &run : blob.runs) {
+        const int from =
+            std::clamp(static_cast<int>(std::floor((run.position - run.progress - low) * scale)), 0, rows - 1);
+        const int to = std::clamp(static_cast<int>(std::ceil((run.position - low) * scale)) - 1, from, rows - 1);
+        for (int r = from; r <= to; ++r) {
+            shape.row(r).colRange(run.first - first, run.last - first + 1).setTo(255);
+            if (row_runs[static_cast<std::size_t>(r)] == nullptr) {
+                row_runs[static_cast<std::size_t>(r)] = &run;
+            }
+        }
+    }
+    for (std::size_t r = 1; r < row_runs.size(); ++r) {
+        if (row_runs[r] == nullptr) {
+            row_runs[r] = row_runs[r - 1];
+        }
+    }
+    return shape;
+}
+
+void Section::end(Blob &blob) {
+    if (blob.runs.empty()) {
+        return;
+    }
+    const double scale = vehicle_lanes * patch_unit / typical_s_;
+    std::vector<const Run *> row_runs;
+    int left = 0;
+    const cv::Mat shape = draw(blob, scale, row_runs, left);
+    cv::Mat labels;
+    const int many = split_shape(shape, least_hill * patch_unit, labels);
+    std::vector<Part> parts;
+    for (int label = 1; label <= many; ++label) {
+        parts_of(labels, label, row_runs, left, scale, parts);
+    }
+    const bool backwards = blob.moved < -0.25 * patch_unit;
+    if (!backwards) {
+        for (Part &part : parts) {
+            waiting_.push_back(part);
+        }
+    }
+}
+
+void Section::parts_of(const cv::Mat &labels, int label, const std::vector<const Run *> &row_runs, int left,
+                       double scale, std::vector<Part> &parts) const {
+    constexpr double contact_share = 0.35;
+    constexpr double leaning_weight = 0.5;
+    constexpr double two_lanes = 1.3;
+    constexpr double both = 0.55;
+    const cv::Mat mine = labels == label;
+    const cv::Rect box = cv::boundingRect(mine);
+    const double length_s = box.height / scale;
+    double sum = 0;
+    double weights = 0;
+    std::vector<double> in_lane(lanes_.size(), 0.0);
+    double area = 0;
+    const Direction direction = lanes_.front().direction;
+    for (int r = box.y; r < box.y + box.height; ++r) {
+        const double along = (r - box.y + 0.5) / box.height;
+        const bool contact = direction == Direction::down ? along < contact_share
+                             : direction == Direction::up ? along > 1 - contact_share
+                                                          : true;
+        for (int c = box.x; c < box.x + box.width; ++c) {
+            if (mine.at<uchar>(r, c) == 0) {
+                continue;
+            }
+            const double weight = contact ? 1.0 : leaning_weight;
+            const double lane = lane_of_column(left + c + 0.5);
+            sum += weight * lane;
+            weights += weight;
+            area += 1;
+            const auto which = static_cast<int>(std::floor(lane));
+            if (which >= 0 && which < static_cast<int>(lanes_.size())) {
+                in_lane[static_cast<std::size_t>(which)] += 1;
+            }
+        }
+    }
+    if (weights <= 0) {
+        return;
+    }
+    Part part;
+    part.centre = sum / weights;
+    part.left = lane_of_column(left + box.x);
+    part.right = lane_of_column(left + box.x + box.width);
+    part.length = length_s / typical_s_;
+    part.area = area / (patch_unit * patch_unit * vehicle_lanes);
+    const Run *first = row_runs[static_cast<std::size_t>(box.y)];
+    const Run *last = row_runs[static_cast<std::size_t>(box.y + box.height - 1)];
+    const Run *middle = row_runs[static_cast<std::size_t>(box.y + box.height / 2)];
+    part.frame = middle->frame;
+    part.t_s = middle->t_s;
+    part.from_s = first->t_s;
+    part.until_s = last->t_s + dt_s_;
+    if (length_s < least_s || part.right - part.left < least_width || part.area < least_area) {
+        return;
+    }
+    part.lane = std::clamp(static_cast<int>(std::floor(part.centre)), 0, static_cast<int>(lanes_.size()) - 1);
+    if (part.right - part.left > two_lanes) {
+        std::vector<int> wide;
+        for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
+            if (in_lane[lane] > both * patch_unit * box.height) {
+                wide.push_back(static_cast<int>(lane));
+            }
+        }
+        if (wide.size() >= 2) {
+            for (const int lane : wide) {
+                Part one = part;
+                one.lane = lane;
+                one.left = std::max<double>(part.left, lane);
+                one.right = std::min<double>(part.right, lane + 1);
+                one.centre = lane + 0.5;
+                one.area = part.area / static_cast<double>(wide.size());
+                parts.push_back(one);
+            }
+            return;
+        }
+    }
+    parts.push_back(part);
+}
+
+void Section::learn_typical(const Part &part, double seconds) {
+    constexpr double single_width = 1.15;
+    if (part.right - part.left > single_width || part.right - part.left < 0.4) {
+        return;
+    }
+    durations_.push_back(seconds);
+    areas_.push_back(part.area);
+    if (durations_.size() > typical_of) {
+        durations_.pop_front();
+        areas_.pop_front();
+    }
+    constexpr double shortest_s = 0.1;
+    constexpr double longest_s = 3.0;
+    if (durations_.size() >= 3) {
+        typical_s_ = std::clamp(median_of(durations_), shortest_s, longest_s);
+    }
+}
+
+/// Judges what has been waiting for its neighbours.
+void Section::settle(double now_s) {
+    constexpr double fragment = 0.5;
+    constexpr double near_share = 0.25;
+    constexpr double near_lanes = 0.3;
+    std::vector<Part> left;
+    std::sort(waiting_.begin(), waiting_.end(), [](const Part &a, const Part &b) { return a.t_s < b.t_s; });
+    std::vector<bool> gone(waiting_.size(), false);
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+        for (std::size_t k = i + 1; k < waiting_.size(); ++k) {
+            if (gone[i] || gone[k]) {
+                continue;
+            }
+            Part &a = waiting_[i];
+            Part &b = waiting_[k];
+            if (std::abs(a.lane - b.lane) > 1) {
+                continue;
+            }
+            const double longer_s = std::max(a.until_s - a.from_s, b.until_s - b.from_s);
+            const double gap_s = std::max(a.from_s, b.from_s) - std::min(a.until_s, b.until_s);
+            const double apart = std::max(a.left, b.left) - std::min(a.right, b.right);
+            if (gap_s > near_share * longer_s || apart > near_lanes) {
+                continue;
+            }
+            const double usual = areas_.empty() ? 0.6 : median_of(areas_);
+            Part &small = a.area < b.area ? a : b;
+            Part &large = a.area < b.area ? b : a;
+            if (small.area < fragment * large.area && small.area < fragment * usual * 1.2) {
+                gone[&small == &a ? i : k] = true;
+            } else if (a.lane == b.lane && a.area + b.area < usual) {
+                large.area += small.area;
+                large.from_s = std::min(a.from_s, b.from_s);
+                large.until_s = std::max(a.until_s, b.until_s);
+                large.left = std::min(a.left, b.left);
+                large.right = std::max(a.right, b.right);
+                gone[&small == &a ? i : k] = true;
+            }
+        }
+    }
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+        const Part &part = waiting_[i];
+        if (gone[i]) {
+            continue;
+        }
+        const double wait_s = std::max(0.35 * (part.until_s - part.from_s), 0.35 * typical_s_);
+        if (now_s - part.until_s < wait_s) {
+            left.push_back(part);
+            continue;
+        }
+        done_.push_back({part.frame, part.lane, part.t_s, part.confidence});
+        learn_typical(part, part.length * typical_s_);
+    }
+    waiting_ = std::move(left);
+}
+
+void Section::close() {
+    for (Blob &blob : blobs_) {
+        end(blob);
+    }
+    blobs_.clear();
+    tips_.clear();
+    rows_.clear();
+    for (Odometer &odometer : odometers_) {
+        odometer.forget();
+    }
+    settle(1e18);
+}
+
+void Section::interrupt() {
+    blobs_.clear();
+    tips_.clear();
+    rows_.clear();
+    for (Odometer &odometer : odometers_) {
+        odometer.forget();
+    }
+}
+
+std::vector<Crossing> Section::take() {
+    std::vector<Crossing> taken;
+    taken.swap(done_);
+    return taken;
+}
+
+} // namespace elmopp
