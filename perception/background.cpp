@@ -22,7 +22,9 @@ constexpr float normal_median = 0.6745F * 1.414F; ///< of the difference of two 
 constexpr float least_noise = 0.004F;
 constexpr float most_noise = 0.05F;
 constexpr float unknown_noise = 0.015F;
-constexpr double noise_tau_s = 10.0;
+constexpr double noise_tau_s = 5.0;
+constexpr double noise_quantile = 0.35;
+constexpr float normal_quantile = 0.4538F * 1.414F;
 
 int lengths(double lane_widths) {
     return std::max(1, static_cast<int>(std::lround(lane_widths * patch_unit)));
@@ -242,11 +244,9 @@ void Background::renew(const Seen &seen, double dt_s, const cv::Mat &held, doubl
     if (!before_.empty()) {
         const cv::Mat step = cv::abs(seen.light - before_);
         const cv::Mat quiet = step < std::max(0.03F, 3 * noise_);
-        const cv::Mat road = ~seen.candidate & valid_;
-        if (cv::countNonZero(road) > road.rows * road.cols / 10) {
-            const float now = std::clamp(quantile(step, road, 0.5) / normal_median, least_noise, most_noise);
-            noise_ += static_cast<float>(rate(noise_tau_s)) * (now - noise_);
-        }
+        // Of all pixels, not of the road's alone: noise that has grown makes road look like something else.
+        const float now = std::clamp(quantile(step, valid_, noise_quantile) / normal_quantile, least_noise, most_noise);
+        noise_ += static_cast<float>(rate(noise_tau_s)) * (now - noise_);
         still_s_ += dt_s;
         still_s_.setTo(0, ~quiet);
     }

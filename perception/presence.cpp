@@ -42,6 +42,12 @@ double place_of_line(const Lane &lane) {
 
 Presence::Presence(const Lane &lane, cv::Size picture)
     : patch_(Patch::along(lane, picture)), background_(patch_.valid()), line_at_(place_of_line(lane)) {
+    constexpr double lowest_m = 4.0;
+    constexpr double highest_m = 25.0;
+    focal_px_ = focal_widths * picture.width;
+    const double growth_at_all = std::max(1e-4, std::abs(patch_.convergence()));
+    camera_m_ = std::clamp(lane_m / growth_at_all, lowest_m, highest_m);
+    near_is_last_ = patch_.convergence() >= 0;
     constexpr double least_angle = 12.0 * CV_PI / 180;
     constexpr double least_lanes = 0.6;
     const auto rows = static_cast<std::size_t>(patch_.size().height);
@@ -50,7 +56,6 @@ Presence::Presence(const Lane &lane, cv::Size picture)
         const double growth = std::max(1e-4, std::abs(patch_.convergence()));
         const double angle =
             std::clamp(std::atan(patch_.width_px(static_cast<int>(row)) / (growth * focal_px)), least_angle, CV_PI / 2);
-        pitch_rows_.push_back(patch_unit * std::max(least_lanes, pitch_m * std::sin(angle) / lane_m));
         vehicle_rows_.push_back(
             patch_unit * std::max(least_lanes, (vehicle_m * std::sin(angle) + height_m * std::cos(angle)) / lane_m));
     }
@@ -218,19 +223,54 @@ std::vector<Presence::Stretch> Presence::stretches() const {
     return found;
 }
 
+/// Metres of road that the vehicles of a stretch stand on, from the near end of the first to the far end of the last.
+/// What is seen of the last one is its roof, which covers road behind it.
+double Presence::length_m(const Stretch &stretch) const {
+    constexpr double clipped = 0.5; // a roof at the end of the zone is seen in part
+    const int rows = patch_.size().height;
+    const double near_m = away_m(near_is_last_ ? stretch.last : stretch.first);
+    const int far_row = near_is_last_ ? stretch.first : stretch.last;
+    const double roof_m = away_m(far_row);
+    const bool at_end = near_is_last_ ? far_row <= 1 : far_row >= rows - 2;
+    const double shrink = std::min(0.5, height_m / camera_m_) * (at_end ? clipped : 1.0);
+    return std::max(0.1, roof_m * (1 - shrink) - near_m);
+}
+
+/// How far from the camera a row of the zone is.
+double Presence::away_m(int row) const {
+    return focal_px_ * lane_m / patch_.width_px(row);
+}
+
 /// One vehicle, and one more for each pitch that the stretch is longer.
 double Presence::vehicles_in(const Stretch &stretch) const {
-    const int middle = (stretch.first + stretch.last) / 2;
-    const double length = stretch.last - stretch.first + 1;
-    const double beyond = length - vehicle_rows_[static_cast<std::size_t>(middle)];
-    if (beyond <= 0) {
-        return 1.0;
+    return std::max(1.0, 1 + (length_m(stretch) / scale_ - vehicle_m) / pitch_m);
+}
+
+/// Learns from single vehicles that drive through how long one is here: neither the camera's lens is known nor how
+/// carefully the zone was drawn.
+void Presence::calibrate(const std::vector<Stretch> &found) {
+    constexpr std::size_t memory = 80;
+    constexpr std::size_t enough = 25;
+    constexpr double typical = 0.4;
+    constexpr double least_scale = 0.7;
+    constexpr double most_scale = 1.5;
+    constexpr int moved_rows = 2;
+    const int rows = patch_.size().height;
+    const bool single = found.size() == 1 && found[0].first > 2 && found[0].last < rows - 3;
+    const int middle = single ? (found[0].first + found[0].last) / 2 : -1;
+    if (single && last_middle_ >= 0 && std::abs(middle - last_middle_) >= moved_rows) {
+        lengths_m_.push_back(length_m(found[0]));
+        if (lengths_m_.size() > memory) {
+            lengths_m_.pop_front();
+        }
     }
-    double pitches = 0;
-    for (int r = stretch.first; r <= stretch.last; ++r) {
-        pitches += 1 / pitch_rows_[static_cast<std::size_t>(r)];
+    last_middle_ = middle;
+    if (lengths_m_.size() >= enough) {
+        std::vector<double> sorted(lengths_m_.begin(), lengths_m_.end());
+        std::sort(sorted.begin(), sorted.end());
+        const double usual_m = sorted[static_cast<std::size_t>(typical * static_cast<double>(sorted.size()))];
+        scale_ = std::clamp(usual_m / vehicle_m, least_scale, most_scale);
     }
-    return 1 + pitches * beyond / length;
 }
 
 void Presence::crossed(int vehicles) {
@@ -239,6 +279,8 @@ void Presence::crossed(int vehicles) {
         count_ += vehicles;
     } else if (line_at_ > 1 - near_end) {
         count_ -= vehicles;
+        left_ += vehicles;
+        left_s_ = 0;
     }
 }
 
@@ -246,12 +288,19 @@ void Presence::crossed(int vehicles) {
 void Presence::balance(double dt_s) {
     constexpr double patience_s = 0.5;
     constexpr double empty_after_s = 1.0;
+    constexpr double leaving_s = 2.0; // who has just left still hides the end of the zone
+    const std::vector<Stretch> found = stretches();
+    calibrate(found);
     double guess = 0;
-    for (const Stretch &stretch : stretches()) {
+    for (const Stretch &stretch : found) {
         guess += std::round(vehicles_in(stretch));
     }
+    left_s_ += dt_s;
+    if (left_s_ > leaving_s) {
+        left_ = 0;
+    }
     const double slack = guess < 3 ? 0.0 : 0.15 * guess;
-    const double low = std::ceil(guess - slack);
+    const double low = std::max(0.0, std::ceil(guess - slack) - std::min(left_, 1));
     const double high = std::floor(guess + slack);
     const bool outside = count_ < low || count_ > high;
     outside_s_ = outside ? outside_s_ + dt_s : 0.0;

@@ -17,6 +17,7 @@
 #include "lanes.hpp"
 #include "patch.hpp"
 
+#include <deque>
 #include <vector>
 
 namespace elmopp {
@@ -61,12 +62,14 @@ class Presence {
     void find_covered(const Background::Seen &seen);
     void balance(double dt_s);
     [[nodiscard]] std::vector<Stretch> stretches() const;
+    void calibrate(const std::vector<Stretch> &found);
+    [[nodiscard]] double length_m(const Stretch &stretch) const;
+    [[nodiscard]] double away_m(int row) const;
     [[nodiscard]] double vehicles_in(const Stretch &stretch) const;
     [[nodiscard]] double textured(const cv::Mat &texture, int row) const;
 
     Patch patch_;
     Background background_;
-    std::vector<double> pitch_rows_;   ///< [row] of standing vehicles
     std::vector<double> vehicle_rows_; ///< [row] one vehicle's length
     std::vector<char> covered_;
     std::vector<char> unknown_;
@@ -76,6 +79,14 @@ class Presence {
     double count_ = 0.0;
     double empty_s_ = 0.0;
     double outside_s_ = 0.0;
+    double focal_px_ = 1.0;
+    double camera_m_ = 8.0;        ///< above the road
+    bool near_is_last_ = true;     ///< the last row is nearest to the camera
+    std::deque<double> lengths_m_; ///< of single vehicles, as measured
+    double scale_ = 1.0;           ///< metres measured for a metre
+    int last_middle_ = -1;
+    int left_ = 0; ///< vehicles that have just left
+    double left_s_ = 1e9;
     bool started_ = false;
 };
 

@@ -259,18 +259,81 @@ void Section::end(Blob &blob) {
     }
 }
 
+/// A part over several lanes: one vehicle for each lane that it covers for long enough, if they come one after the
+/// other or fill their lanes both. A single vehicle leans into one lane only in passing. Returns false if it is one.
+bool Section::side_by_side(const cv::Mat &mine, const cv::Rect &box, const std::vector<const Run *> &row_runs, int left,
+                           const Part &whole, std::vector<Part> &parts) const {
+    constexpr double in_row = 0.5;
+    constexpr double least_length = 0.5;  // typical vehicles
+    constexpr double least_offset = 0.35; // ... between their middles
+    constexpr double full = 0.75;
+    constexpr double both = 0.55; // of the whole part's length
+    struct Share {
+        int lane;
+        int first;
+        int last;
+        double fill;
+        double of_box;
+    };
+    std::vector<Share> shares;
+    const int typical_rows = static_cast<int>(vehicle_lanes * patch_unit);
+    for (int lane = 0; lane < static_cast<int>(lanes_.size()); ++lane) {
+        const int from = std::clamp(patch_margin + lane * patch_unit - left, 0, mine.cols);
+        const int to = std::clamp(patch_margin + (lane + 1) * patch_unit - left, 0, mine.cols);
+        Share share{lane, -1, -1, 0.0, 0.0};
+        int rows = 0;
+        for (int r = box.y; r < box.y + box.height && from < to; ++r) {
+            const double fill = cv::countNonZero(mine.row(r).colRange(from, to)) / static_cast<double>(patch_unit);
+            share.of_box += fill / box.height;
+            if (fill > in_row) {
+                share.first = share.first < 0 ? r : share.first;
+                share.last = r;
+                share.fill += fill;
+                ++rows;
+            }
+        }
+        if (rows > least_length * typical_rows) {
+            share.fill /= rows;
+            shares.push_back(share);
+        }
+    }
+    if (shares.size() < 2) {
+        return false;
+    }
+    const double offset =
+        std::abs(shares[0].first + shares[0].last - shares[1].first - shares[1].last) / 2.0 / typical_rows;
+    const auto fills = [&](const Share &share) { return share.fill > full || share.of_box > both; };
+    if (offset < least_offset && !std::all_of(shares.begin(), shares.end(), fills)) {
+        return false;
+    }
+    for (const Share &share : shares) {
+        const auto middle = static_cast<std::size_t>((share.first + share.last) / 2);
+        Part one = whole;
+        one.lane = share.lane;
+        one.left = std::max<double>(whole.left, share.lane);
+        one.right = std::min<double>(whole.right, share.lane + 1);
+        one.centre = share.lane + 0.5;
+        one.area = whole.area / static_cast<double>(shares.size());
+        one.length = static_cast<double>(share.last - share.first + 1) / typical_rows;
+        one.frame = row_runs[middle]->frame;
+        one.t_s = row_runs[middle]->t_s;
+        one.from_s = row_runs[static_cast<std::size_t>(share.first)]->t_s;
+        one.until_s = row_runs[static_cast<std::size_t>(share.last)]->t_s + dt_s_;
+        parts.push_back(one);
+    }
+    return true;
+}
+
 void Section::parts_of(const cv::Mat &labels, int label, const std::vector<const Run *> &row_runs, int left,
                        double scale, std::vector<Part> &parts) const {
     constexpr double contact_share = 0.35;
     constexpr double leaning_weight = 0.5;
     constexpr double two_lanes = 1.3;
-    constexpr double both = 0.55;
     const cv::Mat mine = labels == label;
     const cv::Rect box = cv::boundingRect(mine);
     const double length_s = box.height / scale;
     double sum = 0;
     double weights = 0;
-    std::vector<double> in_lane(lanes_.size(), 0.0);
     double area = 0;
     const Direction direction = lanes_.front().direction;
     for (int r = box.y; r < box.y + box.height; ++r) {
@@ -287,10 +350,6 @@ void Section::parts_of(const cv::Mat &labels, int label, const std::vector<const
             sum += weight * lane;
             weights += weight;
             area += 1;
-            const auto which = static_cast<int>(std::floor(lane));
-            if (which >= 0 && which < static_cast<int>(lanes_.size())) {
-                in_lane[static_cast<std::size_t>(which)] += 1;
-            }
         }
     }
     if (weights <= 0) {
@@ -313,25 +372,8 @@ void Section::parts_of(const cv::Mat &labels, int label, const std::vector<const
         return;
     }
     part.lane = std::clamp(static_cast<int>(std::floor(part.centre)), 0, static_cast<int>(lanes_.size()) - 1);
-    if (part.right - part.left > two_lanes) {
-        std::vector<int> wide;
-        for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
-            if (in_lane[lane] > both * patch_unit * box.height) {
-                wide.push_back(static_cast<int>(lane));
-            }
-        }
-        if (wide.size() >= 2) {
-            for (const int lane : wide) {
-                Part one = part;
-                one.lane = lane;
-                one.left = std::max<double>(part.left, lane);
-                one.right = std::min<double>(part.right, lane + 1);
-                one.centre = lane + 0.5;
-                one.area = part.area / static_cast<double>(wide.size());
-                parts.push_back(one);
-            }
-            return;
-        }
+    if (part.right - part.left > two_lanes && side_by_side(mine, box, row_runs, left, part, parts)) {
+        return;
     }
     parts.push_back(part);
 }

@@ -108,6 +108,8 @@ class Section {
     void grow(const cv::Mat &row, std::int64_t frame, double t_s);
     void end(Blob &blob);
     cv::Mat draw(const Blob &blob, double scale, std::vector<const Run *> &row_runs, int &left) const;
+    bool side_by_side(const cv::Mat &mine, const cv::Rect &box, const std::vector<const Run *> &row_runs, int left,
+                      const Part &whole, std::vector<Part> &parts) const;
     void parts_of(const cv::Mat &labels, int label, const std::vector<const Run *> &row_runs, int left, double scale,
                   std::vector<Part> &parts) const;
     void settle(double now_s);

@@ -68,10 +68,16 @@ class Hills {
     void place(int r, int c, float value, float least) {
         std::array<int, 8> around{};
         std::size_t many = 0;
+        int uphill = 0; // the hill of the highest neighbour: a rim belongs to whom it leans on
+        float highest_near = -1.0F;
         for (int y = std::max(0, r - 1); y <= std::min(height_.rows - 1, r + 1); ++y) {
             for (int x = std::max(0, c - 1); x <= std::min(height_.cols - 1, c + 1); ++x) {
                 const int hill = root(label_.at<int>(y, x));
                 const auto end = around.begin() + static_cast<std::ptrdiff_t>(many);
+                if (hill != 0 && height_.at<float>(y, x) > highest_near) {
+                    highest_near = height_.at<float>(y, x);
+                    uphill = hill;
+                }
                 if (hill != 0 && std::find(around.begin(), end, hill) == end) {
                     around[many++] = hill;
                 }
@@ -87,7 +93,6 @@ class Hills {
         for (std::size_t i = 1; i < many; ++i) {
             highest = top(around[i]) > top(highest) ? around[i] : highest;
         }
-        int mine = highest;
         for (std::size_t i = 0; i < many; ++i) {
             if (around[i] == highest) {
                 continue;
@@ -97,7 +102,7 @@ class Hills {
                 above_[static_cast<std::size_t>(around[i])] = highest;
             }
         }
-        label_.at<int>(r, c) = mine;
+        label_.at<int>(r, c) = uphill;
     }
 
     [[nodiscard]] float top(int hill) const {
