@@ -34,15 +34,14 @@ int odd(double lane_widths) {
     return lengths(lane_widths) | 1;
 }
 
-const cv::Mat &log_table() {
-    static const cv::Mat table = [] {
-        cv::Mat filled(1, 256, CV_32F);
-        for (int i = 0; i < 256; ++i) {
-            filled.at<float>(i) = std::log(static_cast<float>(i) + log_offset);
-        }
-        return filled;
-    }();
-    return table;
+/// The logarithm of a grey value in the light of the road as it was learnt.
+cv::Mat log_table(double gain) {
+    const double brighter = std::exp(-gain);
+    cv::Mat filled(1, 256, CV_32F);
+    for (int i = 0; i < 256; ++i) {
+        filled.at<float>(i) = static_cast<float>(std::log(i * brighter + static_cast<double>(log_offset)));
+    }
+    return filled;
 }
 
 cv::Mat box(const cv::Mat &of, int size) {
@@ -97,13 +96,13 @@ Background::Background(cv::Mat valid) : valid_(std::move(valid)) {
 }
 
 void Background::logarithms(const Sample &sample, Seen &seen) {
+    const cv::Mat table = log_table(sample.gain);
     cv::Mat grey;
     cv::cvtColor(sample.patch, grey, cv::COLOR_BGR2GRAY);
-    cv::LUT(grey, log_table(), seen.light);
-    seen.light -= sample.gain;
+    cv::LUT(grey, table, seen.light);
     seen.gain = sample.gain;
     cv::Mat all;
-    cv::LUT(sample.patch, log_table(), all);
+    cv::LUT(sample.patch, table, all);
     std::array<cv::Mat, 3> planes;
     cv::split(all, planes.data());
     seen.red = planes[2] - planes[1];
@@ -128,6 +127,7 @@ void Background::learn(const std::vector<Sample> &samples) {
     for (std::size_t i = 0; i < many; ++i) {
         logarithms(samples[i * (samples.size() - 1) / std::max<std::size_t>(1, many - 1)], views[i]);
     }
+    gain_ = samples.back().gain;
     light_.create(valid_.size(), CV_32F);
     red_.create(valid_.size(), CV_32F);
     blue_.create(valid_.size(), CV_32F);
@@ -164,15 +164,30 @@ void Background::learn(const std::vector<Sample> &samples) {
     const float typical = steps.empty() ? unknown_noise * normal_median : steps[steps.size() / 2];
     noise_ = std::clamp(typical / normal_median, least_noise, most_noise);
     before_.release();
+    crept_.release();
     still_s_.setTo(0);
     judge_road();
     learnt_ = true;
 }
 
+void Background::rebase(double gain) {
+    const float factor = static_cast<float>(std::exp(gain));
+    for (int r = 0; r < light_.rows; ++r) {
+        for (int c = 0; c < light_.cols; ++c) {
+            const float grey = std::max(0.0F, std::exp(light_.at<float>(r, c)) - log_offset);
+            light_.at<float>(r, c) = std::log(grey * factor + log_offset);
+        }
+    }
+    before_.release();
+    gain_ = 0;
+}
+
 void Background::judge_road() {
     constexpr double day_grey = 60.0;
     constexpr double light_grey = 75.0;
-    grey_ = std::exp(static_cast<double>(quantile(light_, valid_, 0.5)) + gain_) - static_cast<double>(log_offset);
+    const double learnt =
+        std::exp(static_cast<double>(quantile(light_, valid_, 0.5))) - static_cast<double>(log_offset);
+    grey_ = learnt * std::exp(gain_);
     day_ = grey_ > day_grey;
     const float sharp =
         quantile(high_pass(light_, 3), valid_, 0.9) / std::max(1e-6F, quantile(high_pass(light_, 7), valid_, 0.9));
@@ -189,7 +204,7 @@ Background::Seen Background::look(const Sample &sample) {
     Seen seen;
     logarithms(sample, seen);
     cv::Mat change = seen.light - light_;
-    const float texture_limit = std::max(0.07F, 4 * noise_);
+    const float texture_limit = std::max(0.07F, 2.5F * noise_);
     cv::Mat texture = high_pass(change, fine_) > texture_limit;
     texture &= valid_;
     const cv::Mat plain = ~texture & valid_;
@@ -234,12 +249,27 @@ cv::Mat Background::ghosts(const Seen &seen, double ghost_s) const {
     return ghost;
 }
 
+/// What became an object while nothing moved there is no vehicle: light that has crept on.
+void Background::follow_crept(const Seen &seen) {
+    constexpr double still_s = 0.5;
+    if (crept_.empty()) {
+        crept_ = cv::Mat::zeros(valid_.size(), CV_8U);
+        object_before_ = seen.object.clone();
+    }
+    const cv::Mat still = still_s_ > still_s;
+    crept_ |= seen.object & ~object_before_ & still;
+    crept_ &= seen.object & still;
+    object_before_ = seen.object.clone();
+}
+
 void Background::renew(const Seen &seen, double dt_s, const cv::Mat &held, double ghost_s) {
     constexpr double quiet_tau_s = 1.5;
     constexpr double shade_tau_s = 8.0;
     constexpr double speck_tau_s = 0.5;
     constexpr double speck_s = 0.3;
     constexpr double ghost_rate = 0.25;
+    constexpr double crept_tau_s = 1.0;
+    constexpr int most_firm = 76; // of 255
     const auto rate = [dt_s](double tau_s) { return 1.0 - std::exp(-dt_s / tau_s); };
     if (!before_.empty()) {
         const cv::Mat step = cv::abs(seen.light - before_);
@@ -257,6 +287,7 @@ void Background::renew(const Seen &seen, double dt_s, const cv::Mat &held, doubl
     const cv::Mat around = cv::getStructuringElement(cv::MORPH_RECT, cv::Size(odd(0.4), odd(0.4)));
     cv::dilate(seen.object, near, around);
     rates.setTo(0, near);
+    follow_crept(seen);
     const cv::Mat specks = (seen.object != 0) & (still_s_ >= speck_s);
     rates.setTo(rate(speck_tau_s), specks);
     for (int r = 0; r < rates.rows; ++r) {
@@ -264,6 +295,9 @@ void Background::renew(const Seen &seen, double dt_s, const cv::Mat &held, doubl
             rates.row(r).setTo(0);
         }
     }
+    cv::Mat firm;
+    cv::boxFilter(seen.object & ~crept_, firm, CV_8U, cv::Size(odd(0.4), odd(0.4)));
+    rates.setTo(rate(crept_tau_s), crept_ & (firm < most_firm));
     rates.setTo(ghost_rate, ghosts(seen, ghost_s));
     rates.setTo(0, ~valid_);
     // Towards the picture without its gain; `light` still holds what is common to all of the patch, and must.

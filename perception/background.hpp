@@ -8,8 +8,9 @@
 ///
 /// The road is learnt from a few seconds as the mode of each pixel, which stands traffic for more than half of them.
 /// Afterwards it renews itself only where nothing stands: never under an object, never in a row that is covered. So a
-/// vehicle is never absorbed, however long it stands. Two exceptions: specks that do not move, and ghosts, that is
-/// vehicles that the road was learnt with and that have left (the road has more edges than the picture).
+/// vehicle is never absorbed, however long it stands. Three exceptions: specks that do not move; ghosts, that is
+/// vehicles that the road was learnt with and that have left (the road has more edges than the picture); and what
+/// became an object while nothing moved, light that has crept on.
 ///
 /// Lengths are in lane widths of patch_unit pixels, times in seconds. Owner: a section or a zone. Not thread-safe.
 
@@ -28,7 +29,7 @@ class Background {
 
     /// What a picture shows, in the size of the patch.
     struct Seen {
-        cv::Mat light;     ///< logarithm of grey without gain
+        cv::Mat light;     ///< logarithm of grey as it would be at gain 0
         cv::Mat red;       ///< logarithm of red over green
         cv::Mat blue;      ///< ... of blue over green
         cv::Mat object;    ///< 255: a vehicle
@@ -70,11 +71,15 @@ class Background {
     /// `ghost_s`: how long a ghost must have been still.
     void renew(const Seen &seen, double dt_s, const cv::Mat &held, double ghost_s);
 
-    /// The same light, but for gain: logarithms of a patch.
+    /// Gains count from here on: the road is taken over into the light of this gain.
+    void rebase(double gain);
+
+    /// Logarithms of a patch, in the light in which gain was 0.
     static void logarithms(const Sample &sample, Seen &seen);
 
   private:
     void judge_road();
+    void follow_crept(const Seen &seen);
     [[nodiscard]] cv::Mat ghosts(const Seen &seen, double ghost_s) const;
 
     cv::Mat valid_;
@@ -83,6 +88,8 @@ class Background {
     cv::Mat blue_;
     cv::Mat before_; ///< light of the last picture
     cv::Mat still_s_;
+    cv::Mat crept_;         ///< 255: an object that nothing brought
+    cv::Mat object_before_; ///< objects of the last picture
     float noise_ = 0.02F;
     double grey_ = 100.0;
     double gain_ = 0.0; ///< of the last second

@@ -143,9 +143,13 @@ struct Counter::Impl {
     void end_learning();
     void feed_roads(const cv::Mat &bgr, const Registration::Result &placed, double step_s);
     void feed_zones(const cv::Mat &bgr, const Registration::Result &placed, double step_s);
+    [[nodiscard]] bool caught_up() const;
+    void rebase();
     void pause(double step_s);
     void resume();
     [[nodiscard]] Reason reason(std::size_t lane) const;
+
+    static constexpr double most_gain = 0.8; ///< from there on the road is taken over into the present light
 
     LaneFile file;
     Registration registration;
@@ -346,6 +350,24 @@ void Counter::Impl::feed_zones(const cv::Mat &bgr, const Registration::Result &p
     zone_step_s = 1e-6;
 }
 
+bool Counter::Impl::caught_up() const {
+    return std::all_of(roads.begin(), roads.end(), [](const Road &road) { return road.kept.empty(); });
+}
+
+/// The day has become much lighter or darker: everybody goes on in the present light.
+void Counter::Impl::rebase() {
+    const double gain = registration.rebase();
+    for (Road &road : roads) {
+        road.section->background().rebase(gain);
+    }
+    for (Zone &zone : zones) {
+        zone.presence->rebase(gain);
+    }
+    if (box) {
+        box->junction->rebase(gain);
+    }
+}
+
 void Counter::Impl::pause(double step_s) {
     paused_s += step_s;
 }
@@ -408,11 +430,16 @@ void Counter::feed(const cv::Mat &bgr, double t_s) {
         my.pause(step_s);
         return;
     }
-    const Registration::Result placed = my.registration.follow(bgr);
+    Registration::Result placed = my.registration.follow(bgr);
     my.agreement = placed.agreement;
     my.health.placed(cv::norm(placed.shift_px), placed.sure, step_s);
     if (my.is_cut(placed.change)) {
         my.learn_anew();
+        my.registration.rebase();
+        placed.gain = 0;
+    } else if (std::abs(placed.gain) > my.most_gain && !my.learning && my.caught_up()) {
+        my.rebase();
+        placed.gain = 0;
     }
     if (!placed.sure && my.health.fault() == Reason::moved) {
         my.pause(step_s);

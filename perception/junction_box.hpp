@@ -28,6 +28,11 @@ class JunctionBox {
 
     void feed(const Background::Sample &sample, double dt_s);
 
+    /// See Background.
+    void rebase(double gain) {
+        background_.rebase(gain);
+    }
+
     [[nodiscard]] bool occupied() const {
         return occupied_;
     }

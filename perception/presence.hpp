@@ -40,6 +40,11 @@ class Presence {
 
     void feed(const Background::Sample &sample, double dt_s);
 
+    /// See Background.
+    void rebase(double gain) {
+        background_.rebase(gain);
+    }
+
     /// Vehicles that crossed the lane's own line.
     void crossed(int vehicles);
 

@@ -24,18 +24,6 @@ constexpr double farthest = 0.2; ///< a picture that has moved by more of its wi
 constexpr int light_columns = 32;
 constexpr int light_rows = 24;
 
-/// The grey value's logarithm, as floats.
-const cv::Mat &log_table() {
-    static const cv::Mat table = [] {
-        cv::Mat filled(1, 256, CV_32F);
-        for (int i = 0; i < 256; ++i) {
-            filled.at<float>(i) = static_cast<float>(std::log(i + 16.0));
-        }
-        return filled;
-    }();
-    return table;
-}
-
 float median_of(std::vector<float> values) {
     if (values.empty()) {
         return 0.0F;
@@ -157,19 +145,26 @@ void Registration::follow_gain(const cv::Mat &grey, Result &result) {
     const cv::Matx23d back(1, 0, -last_.x, 0, 1, -last_.y);
     cv::Mat placed;
     cv::warpAffine(grey, placed, back, grey.size(), cv::INTER_NEAREST, cv::BORDER_REPLICATE);
+    placed.convertTo(placed, CV_32F); // rounded means of a dark picture would drift
     cv::Mat few;
     cv::resize(placed, few, cv::Size(light_columns, light_rows), 0, 0, cv::INTER_AREA);
     cv::Mat light;
-    cv::LUT(few, log_table(), light);
+    cv::log(few + 16.0, light);
+    // The factor of the brightness; dark values would hide it behind the offset that keeps their noise small.
+    cv::Mat factor;
+    cv::log(few + 2.0, factor);
     if (!before_.empty()) {
-        const cv::Mat step = light - before_;
+        const cv::Mat change = light - before_;
+        const float common = median_of({change.begin<float>(), change.end<float>()});
+        const cv::Mat step = factor - factor_before_;
         const auto gain = static_cast<double>(median_of({step.begin<float>(), step.end<float>()}));
-        const cv::Mat rest = cv::abs(step - gain);
+        const cv::Mat rest = cv::abs(change - common);
         result.gain_step = gain;
         result.change = 100 * cv::mean(rest)[0];
         gain_ += gain;
     }
     before_ = light;
+    factor_before_ = factor;
     result.gain = gain_;
 }
 

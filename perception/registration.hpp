@@ -35,6 +35,13 @@ class Registration {
 
     Result follow(const cv::Mat &bgr);
 
+    /// The present brightness is gain 0 from here on; returns what it was.
+    double rebase() {
+        const double gain = gain_;
+        gain_ = 0;
+        return gain;
+    }
+
   private:
     struct Piece {
         cv::Point at;
@@ -52,6 +59,7 @@ class Registration {
     cv::Point2d base_; ///< shift at which the pieces were taken, in small pixels
     cv::Point2d last_; ///< shift in small pixels, since the anchor
     cv::Mat before_;
+    cv::Mat factor_before_;
     double gain_ = 0.0;
     int astray_ = 0; ///< frames without agreement
     int few_ = 0;    ///< frames in which few pieces agreed

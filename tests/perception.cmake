@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+#
+# The camera room's tests. They draw their own scenes; clips with counted truth are scored where a folder of them is named
+# by ELMOPP_CLIPS (option or environment).
+
+set(ELMOPP_CLIPS "$ENV{ELMOPP_CLIPS}" CACHE PATH "Folder of clips with counted truth, for the test camera_clips")
+
+add_library(camera_scene OBJECT perception/scene.cpp)
+target_include_directories(camera_scene PUBLIC perception)
+target_link_libraries(camera_scene PUBLIC elmopp_perception PRIVATE elmopp_flags)
+
+foreach(name IN ITEMS test_counter test_health test_camera_files)
+    elmopp_add_unity_test(NAME ${name}
+        SOURCES perception/${name}.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c $<TARGET_OBJECTS:camera_scene>
+        LIBS camera_scene elmopp_perception
+        LABELS unit camera
+        TIMEOUT 600)
+    elmopp_without_lto(${name})
+endforeach()
+set_tests_properties(test_counter test_health PROPERTIES COST 60)
+
+add_executable(draw_scene perception/draw_scene.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c $<TARGET_OBJECTS:camera_scene>)
+set_target_properties(draw_scene PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
+target_link_libraries(draw_scene PRIVATE camera_scene elmopp_perception elmopp_flags)
+elmopp_without_lto(draw_scene)
+
+if(depends_on_no_build)
+    set(camera_environment
+        "ELMOPP_CAMERA=$<TARGET_FILE:elmopp-camera>;ELMOPP_DRAW_SCENE=$<TARGET_FILE:draw_scene>;ELMOPP_CLIPS=${ELMOPP_CLIPS}")
+    foreach(name IN ITEMS test_camera_program test_camera_rtsp test_count_scores camera_clips)
+        elmopp_add_python_test(NAME ${name} COMMAND -m pytest -q tests/python/${name}.py LABELS camera TIMEOUT 300)
+        set_tests_properties(${name} PROPERTIES ENVIRONMENT "${camera_environment}")
+    endforeach()
+endif()
