@@ -12,7 +12,7 @@ from gi.repository import GLib, Gst, GstRtspServer  # noqa: E402
 
 PIPELINE = (
     "( videotestsrc is-live=true pattern=zone-plate kx2=20 ky2=20 ! video/x-raw,width=320,height=240,framerate=15/1 "
-    "! timeoverlay font-desc=16 ! jpegenc ! rtpjpegpay name=pay0 pt=26 )"
+    "! timeoverlay ! videoconvert ! video/x-raw,format=I420 ! jpegenc ! rtpjpegpay name=pay0 pt=26 )"
 )
 
 
