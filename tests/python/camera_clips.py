@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
-"""The counter on clips that were counted by eye: those of a folder that ELMOPP_CLIPS names. They are not ours to ship."""
+"""The counter on clips that were counted by eye, of a folder that ELMOPP_CLIPS names: they are not ours to ship."""
 
 import os
 import sys
@@ -12,7 +12,7 @@ from elmopp_tools import score_counter
 SKIPPED = 77
 
 
-def test_the_clips_are_counted_as_well_as_the_document_says(tmp_path: Path) -> None:
+def test_the_clips_are_counted_as_well_as_the_document_says() -> None:
     report = score_counter.score_folder(Path(os.environ["ELMOPP_CAMERA"]), Path(os.environ["ELMOPP_CLIPS"]), True)
     print(score_counter.table_of(report))
     assert report["pooled"]["lane_error"] <= 0.05

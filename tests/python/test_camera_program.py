@@ -92,7 +92,9 @@ def test_the_same_video_gives_the_same_bytes(clips: Path, lanes: Path, tmp_path:
 def test_the_overlay_is_a_video_or_a_picture(clips: Path, lanes: Path, tmp_path: Path) -> None:
     for name in ("o.png", "o.avi"):
         out = tmp_path / name
-        assert camera("--source", clips / "drawn.avi", "--lanes", lanes, "--overlay", out, "--seconds", 2).returncode == 0
+        assert (
+            camera("--source", clips / "drawn.avi", "--lanes", lanes, "--overlay", out, "--seconds", 2).returncode == 0
+        )
         assert out.stat().st_size > 10_000
     assert Image.open(tmp_path / "o.png").size == (352, 264)
     again = camera("--source", tmp_path / "o.avi", "--lanes", lanes, "--jsonl", "-")  # decodes, and has the right size

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 
-"""How well crossings and vehicles present agree with a truth file `lane-count-truth/1`: count and lane error, event F1,
-presence error. Shares, not percent."""
+"""How well crossings and vehicles present agree with a truth file `lane-count-truth/1`.
+
+Count error, lane error, event F1 and presence error, as shares and not percent.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,7 @@ class Counted:
         return self.missed + self.false
 
 
-def _pairs(reported: Sequence[Event], true: Sequence[Event], alike: Mapping[int, Sequence[int]]) -> dict[int, int]:
+def _pairs(reported: Sequence[Event], alike: Mapping[int, Sequence[int]]) -> dict[int, int]:
     """The most pairs of a reported and a true event that are alike, each in one pair only: reported to true."""
     taken_by: dict[int, int] = {}
 
@@ -66,15 +68,19 @@ def _pairs(reported: Sequence[Event], true: Sequence[Event], alike: Mapping[int,
     return {i: k for k, i in taken_by.items()}
 
 
-def _alike(reported: Sequence[Event], true: Sequence[Event], tolerance: int, near: Mapping[str, set[str]]) -> dict[int, list[int]]:
+def _alike(
+    reported: Sequence[Event], true: Sequence[Event], tolerance: int, near: Mapping[str, set[str]]
+) -> dict[int, list[int]]:
     """For each reported event the true ones that it may be, the nearest in time first."""
-    return {
-        i: sorted(
-            (k for k, t in enumerate(true) if abs(t.frame - r.frame) <= tolerance and r.lane in near[t.lane]),
-            key=lambda k, at=r.frame: abs(true[k].frame - at),
-        )
-        for i, r in enumerate(reported)
-    }
+    alike = {}
+    for i, r in enumerate(reported):
+        may_be = [
+            (abs(t.frame - r.frame), k)
+            for k, t in enumerate(true)
+            if abs(t.frame - r.frame) <= tolerance and r.lane in near[t.lane]
+        ]
+        alike[i] = [k for _, k in sorted(may_be)]
+    return alike
 
 
 def _neighbours(lanes: Sequence[Mapping[str, Any]]) -> dict[str, set[str]]:
@@ -87,8 +93,15 @@ def _neighbours(lanes: Sequence[Mapping[str, Any]]) -> dict[str, set[str]]:
     return {a["name"]: {b["name"] for b in lanes if b["name"] == a["name"] or touch(a, b)} for a in lanes}
 
 
-def score_crossings(truth: Mapping[str, Any], crossings: Sequence[Event]) -> Counted:
-    """The crossings of a clip beside its truth."""
+@dataclass(frozen=True)
+class _Matched:
+    reported: list[Event]
+    missed: list[Event]
+    false: list[Event]
+    pairs: int
+
+
+def _match(truth: Mapping[str, Any], crossings: Sequence[Event]) -> _Matched:
     within = range(truth["count_from"], truth["count_to"] + 1)
     reported = sorted((c for c in crossings if c.frame in within), key=lambda c: (c.frame, c.lane))
     listed = [Event(c["frame"], c["lane"]) for c in truth["crossings"]]
@@ -96,33 +109,36 @@ def score_crossings(truth: Mapping[str, Any], crossings: Sequence[Event]) -> Cou
     certain = [e for e in listed if e not in arguable]
     tolerance = truth["frame_tolerance"]
     alone = {lane["name"]: {lane["name"]} for lane in truth["lanes"]}
-    sure = _pairs(reported, certain, _alike(reported, certain, tolerance, alone))
+    sure = _pairs(reported, _alike(reported, certain, tolerance, alone))
     rest = [r for i, r in enumerate(reported) if i not in sure]
-    maybe = _pairs(rest, arguable, _alike(rest, arguable, tolerance, _neighbours(truth["lanes"])))
-    lanes = [lane["name"] for lane in truth["lanes"]]
+    maybe = _pairs(rest, _alike(rest, arguable, tolerance, _neighbours(truth["lanes"])))
+    return _Matched(
+        reported=reported,
+        missed=[c for k, c in enumerate(certain) if k not in sure.values()],
+        false=[r for i, r in enumerate(rest) if i not in maybe],
+        pairs=len(sure) + sum(arguable[k] in listed for k in maybe.values()),
+    )
+
+
+def score_crossings(truth: Mapping[str, Any], crossings: Sequence[Event]) -> Counted:
+    """The crossings of a clip beside its truth."""
+    found = _match(truth, crossings)
     totals = truth["totals"]
+    lanes = [lane["name"] for lane in truth["lanes"]]
     return Counted(
         truth=truth["total"],
-        counted=len(reported),
-        lane_difference=sum(abs(sum(r.lane == lane for r in reported) - totals.get(lane, 0)) for lane in lanes),
-        matched=len(sure) + sum(arguable[k] in listed for k in maybe.values()),
-        missed=len(certain) - len(sure),
-        false=len(rest) - len(maybe),
+        counted=len(found.reported),
+        lane_difference=sum(abs(sum(r.lane == lane for r in found.reported) - totals.get(lane, 0)) for lane in lanes),
+        matched=found.pairs,
+        missed=len(found.missed),
+        false=len(found.false),
     )
 
 
 def wrong_events(truth: Mapping[str, Any], crossings: Sequence[Event]) -> tuple[list[Event], list[Event]]:
     """The missed and the false ones, for whoever wants to look at them."""
-    tolerance = truth["frame_tolerance"]
-    arguable = [Event(u["frame"], u["lane"]) for u in truth.get("uncertain", [])]
-    certain = [e for c in truth["crossings"] if (e := Event(c["frame"], c["lane"])) not in arguable]
-    within = range(truth["count_from"], truth["count_to"] + 1)
-    reported = [c for c in crossings if c.frame in within]
-    alone = {lane["name"]: {lane["name"]} for lane in truth["lanes"]}
-    sure = _pairs(reported, certain, _alike(reported, certain, tolerance, alone))
-    rest = [r for i, r in enumerate(reported) if i not in sure]
-    maybe = _pairs(rest, arguable, _alike(rest, arguable, tolerance, _neighbours(truth["lanes"])))
-    return [c for k, c in enumerate(certain) if k not in sure.values()], [r for i, r in enumerate(rest) if i not in maybe]
+    found = _match(truth, crossings)
+    return found.missed, found.false
 
 
 def presence_error(truth: Mapping[str, Any], present: Sequence[tuple[int, Mapping[str, int | None]]]) -> float | None:

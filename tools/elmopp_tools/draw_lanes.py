@@ -26,7 +26,8 @@ ARROW_PX = 14
 STEPS = {"up": (0, -1), "down": (0, 1), "left": (-1, 0), "right": (1, 0)}
 
 DESCRIPTION = """\
-Draws the lanes of a lane file elmopp-lanes/1 on a picture: counting lines with the way of travel, zones, masks, the junction."""
+Draws the lanes of a lane file elmopp-lanes/1 on a picture: counting lines with the way of travel, zones, masks, the
+junction."""
 
 EPILOG = """\
 Exit codes: 0 done; 2 the request cannot be run.

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 
-"""Runs elmopp-camera over clips with counted truth and scores it. One set of defaults; the lane files come from the truth."""
+"""Runs elmopp-camera over clips with counted truth and scores it.
+
+One set of defaults for all clips; the lane files come from the truth files.
+"""
 
 from __future__ import annotations
 
@@ -190,7 +193,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("--clips", metavar="DIR", help="folder with videos and truth files")
     parser.add_argument("--json", metavar="FILE", help="the report, shares and not percent")
-    parser.add_argument("--write-lanes", nargs=2, metavar=("TRUTH", "FILE"), help="writes the lane file of a truth file")
+    parser.add_argument(
+        "--write-lanes", nargs=2, metavar=("TRUTH", "FILE"), help="writes the lane file of a truth file"
+    )
     parser.add_argument("--camera", metavar="PROGRAM", help="elmopp-camera to score; default: the one that was built")
     parser.add_argument("--events", action="store_true", help="also print the crossings that are missed or false")
     request = parser.parse_args(arguments)
