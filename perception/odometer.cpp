@@ -43,11 +43,12 @@ double misfit(const cv::Mat &now, const cv::Mat &now_mask, const cv::Mat &old, c
 void Odometer::forget() {
     before_.release();
     still_s_ = 0;
-    was_still_ = false;
+    net_ = 1.0;
 }
 
 Odometer::Step Odometer::feed(const cv::Mat &change, const cv::Mat &object, float noise, double dt_s) {
     constexpr double still_after_s = 0.3;
+    constexpr double net_tau_s = 0.4;
     constexpr std::size_t memory = 61;
     cv::Mat mask;
     object.convertTo(mask, CV_32F, 1.0 / 255);
@@ -120,6 +121,8 @@ Odometer::Step Odometer::feed(const cv::Mat &change, const cv::Mat &object, floa
     } else {
         still_s_ = 0;
     }
+    net_ += (1 - std::exp(-dt_s / net_tau_s)) * (step_.progress - net_);
+    step_.net = net_;
     before_ = few;
     before_mask_ = few_mask;
     return step_;

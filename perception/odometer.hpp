@@ -20,6 +20,7 @@ class Odometer {
         double progress = 1.0; ///< speed as a share of the usual one; 1 if it is not known
         double rows = 0.0;     ///< moved, forwards positive
         bool sure = false;     ///< `rows` was measured
+        double net = 1.0;      ///< progress, averaged: near 0 for who stands or rocks
         bool still = false;    ///< there is an object, and it has not moved for a while
     };
 
@@ -45,7 +46,7 @@ class Odometer {
     std::deque<double> speeds_;
     double usual_ = 0.0;
     double still_s_ = 0.0;
-    bool was_still_ = false;
+    double net_ = 1.0;
 };
 
 } // namespace elmopp

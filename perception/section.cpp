@@ -24,6 +24,7 @@ constexpr double least_area = 0.10;   ///< lanes x typical vehicles
 constexpr double least_hill = 0.16;   ///< lanes from the border
 constexpr double outside = 0.16;      ///< lanes beyond the section that still count
 constexpr std::size_t typical_of = 15;
+constexpr std::size_t typical_least = 3;
 
 double median_of(const std::deque<double> &values) {
     std::vector<double> sorted(values.begin(), values.end());
@@ -59,6 +60,20 @@ double Section::progress_of(int first, int last) const {
     return weight > 0 ? sum / weight : 1.0;
 }
 
+/// Whether somebody stands or rocks about the line in these columns.
+bool Section::stands(int first, int last) const {
+    constexpr double near_lanes = 0.4;
+    constexpr double least_object = 0.15;
+    constexpr double least_net = 0.15;
+    const auto lane =
+        std::clamp<int>((first + last - 2 * patch_margin) / (2 * patch_unit), 0, static_cast<int>(lanes_.size()) - 1);
+    const int middle = seen_.object.rows / 2;
+    const int reach = static_cast<int>(near_lanes * patch_unit);
+    const cv::Mat near = seen_.object.rowRange(middle - reach, middle + reach + 1).colRange(first, last + 1);
+    return odometers_[static_cast<std::size_t>(lane)].last().net < least_net &&
+           cv::countNonZero(near) > least_object * static_cast<double>(near.total());
+}
+
 /// The mask at the line, averaged along and across it and over time: [1][columns] of 255 and 0. Empty: not yet.
 cv::Mat Section::line_row(const cv::Mat &object, double dt_s) {
     const int middle = object.rows / 2;
@@ -88,6 +103,7 @@ void Section::feed(const Background::Sample &sample, std::int64_t frame, double 
                                 patch_margin + static_cast<int>(lane + 1) * patch_unit);
         odometers_[lane].feed(change.colRange(columns), seen_.object.colRange(columns), background_.noise(), dt_s);
     }
+    guess_typical();
     rows_.emplace_back(cv::Mat(), std::make_pair(frame, t_s));
     const cv::Mat row = line_row(seen_.object, dt_s);
     const auto &when = rows_[rows_.size() / 2].second;
@@ -176,7 +192,7 @@ void Section::grow(const cv::Mat &row, std::int64_t frame, double t_s) {
     // A lane that stands keeps its blob, flicker or not.
     for (const auto &[tip, columns] : tips_) {
         const std::size_t blob = root(tip);
-        if (!goes_on[blob] && progress_of(columns.first, columns.second) <= 0.02) {
+        if (!goes_on[blob] && stands(columns.first, columns.second)) {
             goes_on[blob] = true;
             tips.emplace_back(blob, columns);
         }
@@ -391,8 +407,23 @@ void Section::learn_typical(const Part &part, double seconds) {
     }
     constexpr double shortest_s = 0.1;
     constexpr double longest_s = 3.0;
-    if (durations_.size() >= 3) {
+    if (durations_.size() >= typical_least) {
         typical_s_ = std::clamp(median_of(durations_), shortest_s, longest_s);
+    }
+}
+
+/// Before vehicles have been seen whole: what one of usual length takes at the speed that the odometers have seen.
+void Section::guess_typical() {
+    constexpr double vehicle_rows = 34;
+    constexpr double fastest_s = 0.15;
+    constexpr double slowest_s = 1.5;
+    if (durations_.size() >= typical_least) {
+        return;
+    }
+    for (const Odometer &odometer : odometers_) {
+        if (odometer.usual_rows_per_s() > 0) {
+            typical_s_ = std::clamp(vehicle_rows / odometer.usual_rows_per_s(), fastest_s, slowest_s);
+        }
     }
 }
 
@@ -440,7 +471,7 @@ void Section::settle(double now_s) {
         if (gone[i]) {
             continue;
         }
-        const double wait_s = std::max(0.35 * (part.until_s - part.from_s), 0.35 * typical_s_);
+        const double wait_s = 0.35 * std::clamp(part.until_s - part.from_s, typical_s_, 3 * typical_s_);
         if (now_s - part.until_s < wait_s) {
             left.push_back(part);
             continue;

@@ -112,8 +112,10 @@ class Section {
                       const Part &whole, std::vector<Part> &parts) const;
     void parts_of(const cv::Mat &labels, int label, const std::vector<const Run *> &row_runs, int left, double scale,
                   std::vector<Part> &parts) const;
+    void guess_typical();
     void settle(double now_s);
     void learn_typical(const Part &part, double seconds);
+    [[nodiscard]] bool stands(int first, int last) const;
     [[nodiscard]] double progress_of(int first, int last) const;
 
     std::vector<Lane> lanes_;

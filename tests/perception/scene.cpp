@@ -113,7 +113,11 @@ void Scene::draw_light(cv::Mat &picture, const SceneCar &car) const {
           place(aside - 1.6, car.at_m - 9, 0)},
          cv::Scalar(60, 75, 80));
     cv::GaussianBlur(cone, cone, cv::Size(), 0.02 * size_.width);
-    picture += cone;
+    // The road sends back more of the same: its markings stay as bright beside it as they were.
+    constexpr double lamp_of = 1.0 / 24;
+    cv::Mat lit;
+    cv::multiply(picture, cone, lit, lamp_of, CV_8U);
+    picture += lit;
     for (const double side : {-0.65, 0.65}) {
         const cv::Point2d lamp = place(aside + side, car.at_m, 0.65);
         const double radius = std::max(1.5, 0.16 * 1.15 * size_.width / car.at_m);
