@@ -31,7 +31,7 @@ int lengths(double lane_widths) {
 }
 
 int odd(double lane_widths) {
-    return lengths(lane_widths) | 1;
+    return 2 * (lengths(lane_widths) / 2) + 1;
 }
 
 /// The logarithm of a grey value in the light of the road as it was learnt.

@@ -37,12 +37,13 @@ std::vector<elmopp_frame_t> CameraBus::counts(const Record &record) {
     std::map<int, std::array<Sum, ELMOPP_APPROACH_MOVEMENT_MAX>> approaches;
     std::map<int, Reason> reasons;
     for (std::size_t i = 0; i < file_.lanes.size(); ++i) {
-        if (!file_.lanes[i].approach || !file_.lanes[i].movement) {
+        const int approach = file_.lanes[i].approach.value_or(-1);
+        const int movement = file_.lanes[i].movement.value_or(-1);
+        if (approach < 0 || movement < 0) {
             continue;
         }
-        const int approach = *file_.lanes[i].approach;
         const LaneRecord &lane = record.lanes[i];
-        Sum &sum = approaches[approach][static_cast<std::size_t>(*file_.lanes[i].movement)];
+        Sum &sum = approaches[approach][static_cast<std::size_t>(movement)];
         sum.used = true;
         sum.present += lane.present.value_or(0);
         sum.known = sum.known && lane.present.has_value();

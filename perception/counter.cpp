@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace elmopp {
 namespace {
@@ -38,10 +39,8 @@ Lane ordered(Lane lane) {
 /// Lanes side by side whose lines meet; indices into the file.
 std::vector<std::vector<int>> sections_of(const std::vector<Lane> &lanes) {
     constexpr double together = 0.12;
-    std::vector<int> order;
-    for (int i = 0; i < static_cast<int>(lanes.size()); ++i) {
-        order.push_back(i);
-    }
+    std::vector<int> order(lanes.size());
+    std::iota(order.begin(), order.end(), 0);
     const auto lane = [&lanes](int i) { return ordered(lanes[static_cast<std::size_t>(i)]); };
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return across(lane(a).from_px, lane(a)) < across(lane(b).from_px, lane(b)); });
@@ -134,7 +133,7 @@ struct Counter::Impl {
 
     explicit Impl(const LaneFile &lane_file);
 
-    double step_of(double t_s);
+    double step_of(double now_s);
     bool is_cut(double change);
     void keep_or_count(Road &road, const Kept &kept);
     void count(Road &road, const Kept &kept);
@@ -180,10 +179,9 @@ Counter::Impl::Impl(const LaneFile &lane_file)
     const cv::Size picture(file.width_px, file.height_px);
     double width_px = 0;
     for (const auto &indices : sections_of(file.lanes)) {
-        std::vector<Lane> lanes;
-        for (const int i : indices) {
-            lanes.push_back(ordered(file.lanes[static_cast<std::size_t>(i)]));
-        }
+        std::vector<Lane> lanes(indices.size());
+        std::transform(indices.begin(), indices.end(), lanes.begin(),
+                       [this](int i) { return ordered(file.lanes[static_cast<std::size_t>(i)]); });
         roads.push_back({std::make_unique<Section>(lanes, picture), indices, {}});
         width_px = std::max(width_px, roads.back().section->patch().lane_width_px());
     }
@@ -297,10 +295,9 @@ void Counter::Impl::learn_anew() {
 
 void Counter::Impl::end_learning() {
     for (Road &road : roads) {
-        std::vector<Background::Sample> samples;
-        for (const Kept &kept : road.kept) {
-            samples.push_back(kept.sample);
-        }
+        std::vector<Background::Sample> samples(road.kept.size());
+        std::transform(road.kept.begin(), road.kept.end(), samples.begin(),
+                       [](const Kept &kept) { return kept.sample; });
         road.section->background().learn(samples);
     }
     for (Zone &zone : zones) {

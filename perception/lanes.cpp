@@ -40,7 +40,10 @@ class LaneReader {
         }
         for (const auto &[found, unused] : json.items()) {
             if (allowed.count(found) == 0) {
-                refuse(key + "." + found, "is unknown; a lane file is geometry only, its keys are in docs/camera.md");
+                const std::string unknown = "is unknown; a lane file is geometry only, its keys are in docs/camera.md";
+                std::string where = key;
+                where += "." + found;
+                refuse(where, unknown);
             }
         }
     }

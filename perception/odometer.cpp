@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace elmopp {
@@ -61,6 +62,10 @@ Odometer::Step Odometer::feed(const cv::Mat &change, const cv::Mat &object, floa
     const double here = cv::mean(few_mask)[0];
     if (!before_.empty() && here > least_object) {
         std::vector<double> fits(2 * search_rows + 1, 1e9);
+        const auto fit_at = [&fits](int shift) -> double & {
+            const int index = shift + search_rows;
+            return fits[static_cast<std::size_t>(index)];
+        };
         double whole = 0;
         misfit(few, few_mask, before_, before_mask_, 0, whole);
         int best = 0;
@@ -68,14 +73,14 @@ Odometer::Step Odometer::feed(const cv::Mat &change, const cv::Mat &object, floa
             double weight = 0;
             const double fit = misfit(few, few_mask, before_, before_mask_, shift, weight);
             if (weight > 0.35 * whole) {
-                fits[static_cast<std::size_t>(shift + search_rows)] = fit;
-                if (fit < fits[static_cast<std::size_t>(best + search_rows)]) {
+                fit_at(shift) = fit;
+                if (fit < fit_at(best)) {
                     best = shift;
                 }
             }
         }
         const double at_rest = fits[search_rows];
-        const double fitting = fits[static_cast<std::size_t>(best + search_rows)];
+        const double fitting = fit_at(best);
         std::vector<double> known;
         std::copy_if(fits.begin(), fits.end(), std::back_inserter(known), [](double fit) { return fit < 1e8; });
         std::nth_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2), known.end());
@@ -88,8 +93,8 @@ Odometer::Step Odometer::feed(const cv::Mat &change, const cv::Mat &object, floa
             step_.sure = true;
             step_.rows = best;
             if (best > -search_rows && best < search_rows) {
-                const double left = fits[static_cast<std::size_t>(best + search_rows - 1)];
-                const double right = fits[static_cast<std::size_t>(best + search_rows + 1)];
+                const double left = fit_at(best - 1);
+                const double right = fit_at(best + 1);
                 const double bend = left - 2 * fitting + right;
                 if (left < 1e8 && right < 1e8 && bend > 1e-9) {
                     step_.rows += std::clamp(0.5 * (left - right) / bend, -0.5, 0.5);
@@ -123,8 +128,8 @@ Odometer::Step Odometer::feed(const cv::Mat &change, const cv::Mat &object, floa
     }
     net_ += (1 - std::exp(-dt_s / net_tau_s)) * (step_.progress - net_);
     step_.net = net_;
-    before_ = few;
-    before_mask_ = few_mask;
+    before_ = std::move(few);
+    before_mask_ = std::move(few_mask);
     return step_;
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace elmopp {
 namespace {
@@ -169,7 +170,7 @@ Patch Patch::over(const Polygon &polygon, double lane_px, cv::Size picture) {
 
 void Patch::finish(const std::vector<Lane> &lanes, cv::Size picture, double step_px) {
     constexpr double coarse_px = 1.5;
-    average_px_ = step_px >= coarse_px ? static_cast<int>(std::lround(step_px)) | 1 : 1;
+    average_px_ = step_px >= coarse_px ? 2 * (static_cast<int>(std::lround(step_px)) / 2) + 1 : 1;
     valid_.create(size(), CV_8U);
     cv::Point2f low(1e6F, 1e6F);
     cv::Point2f high(-1e6F, -1e6F);
@@ -206,7 +207,7 @@ cv::Mat Patch::sample(const cv::Mat &frame, const cv::Point2d &shift_px) const {
     if (average_px_ > 1) {
         cv::Mat smooth;
         cv::blur(source, smooth, cv::Size(average_px_, average_px_));
-        source = smooth;
+        source = std::move(smooth);
     }
     const cv::Mat x = map_x_ + (shift_px.x - part.x);
     const cv::Mat y = map_y_ + (shift_px.y - part.y);

@@ -20,7 +20,7 @@ constexpr float texture_limit = 0.10F;
 constexpr double texture_share = 0.20;
 
 int odd(double lane_widths) {
-    return static_cast<int>(std::lround(lane_widths * patch_unit)) | 1;
+    return 2 * (static_cast<int>(std::lround(lane_widths * patch_unit)) / 2) + 1;
 }
 
 /// Where the middle of the line lies along the zone's travel.

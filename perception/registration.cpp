@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace elmopp {
 namespace {
@@ -163,8 +164,8 @@ void Registration::follow_gain(const cv::Mat &grey, Result &result) {
         result.change = 100 * cv::mean(rest)[0];
         gain_ += gain;
     }
-    before_ = light;
-    factor_before_ = factor;
+    before_ = std::move(light);
+    factor_before_ = std::move(factor);
     result.gain = gain_;
 }
 
@@ -178,7 +179,7 @@ Registration::Result Registration::follow(const cv::Mat &bgr) {
     if (scale_ < 1.0) {
         cv::Mat shrunk;
         cv::resize(grey, shrunk, traffic_.size(), 0, 0, cv::INTER_AREA);
-        grey = shrunk;
+        grey = std::move(shrunk);
     }
     if (pieces_.size() < least_pieces) {
         // A picture without corners cannot be followed; it is looked at again now and then.
@@ -189,7 +190,8 @@ Registration::Result Registration::follow(const cv::Mat &bgr) {
         result.agreement = 1.0;
     } else {
         result.sure = vote(grey, search_px, result);
-        if (!result.sure && ++astray_ > patience && astray_ % 4 == 0) {
+        astray_ += result.sure ? 0 : 1;
+        if (!result.sure && astray_ > patience && astray_ % 4 == 0) {
             result.sure = vote(grey, wide_search_px, result);
         }
         if (result.sure) {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace elmopp {
@@ -222,7 +223,7 @@ void Section::grow(const cv::Mat &row, std::int64_t frame, double t_s) {
 cv::Mat Section::draw(const Blob &blob, double scale, std::vector<const Run *> &row_runs, int &left) const {
     double low = 1e18;
     double high = -1e18;
-    int first = 1 << 20;
+    int first = std::numeric_limits<int>::max();
     int last = 0;
     for (const Run &run : blob.runs) {
         low = std::min(low, run.position - run.progress);
@@ -323,7 +324,8 @@ bool Section::side_by_side(const cv::Mat &mine, const cv::Rect &box, const std::
         return false;
     }
     for (const Share &share : shares) {
-        const auto middle = static_cast<std::size_t>((share.first + share.last) / 2);
+        const int middle_row = (share.first + share.last) / 2;
+        const auto middle = static_cast<std::size_t>(middle_row);
         Part one = whole;
         one.lane = share.lane;
         one.left = std::max<double>(whole.left, share.lane);

@@ -118,7 +118,7 @@ void LiveSource::run() {
                 }
             }
         } catch (const cv::Exception &) {
-            // A camera that answers nonsense is one that is not there.
+            ++broken_; // a camera that answers nonsense is one that is not there
         }
         for (auto waited = slice; waited <= wait && !stop_; waited += slice) {
             std::this_thread::sleep_for(slice);

@@ -107,6 +107,7 @@ class LiveSource {
     NewestFrame newest_;
     std::atomic<bool> stop_ = false;
     std::atomic<std::uint64_t> opened_ = 0;
+    std::atomic<std::uint64_t> broken_ = 0; ///< times that a camera made the library fail
     std::thread thread_;
 };
 

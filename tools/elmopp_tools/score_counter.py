@@ -99,7 +99,10 @@ def run_camera(program: Path, video: Path, truth: Mapping[str, Any], folder: Pat
     command = [str(program), "--source", str(video), "--lanes", str(lanes)]
     for name, file in files.items():
         command += [f"--{name}", str(file)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise ScoreFailedError(f"{program}: cannot be run: {error.strerror}") from None
     if done.returncode != 0:
         raise ScoreFailedError(f"{video}: elmopp-camera ended with {done.returncode}: {done.stderr.strip()}")
     return {name: json_lines(file) for name, file in files.items()}
