@@ -147,6 +147,24 @@ void Presence::known() {
     count_ = 0;
 }
 
+/// Rows on which a vehicle moves, by its length: somebody who walks in front of a queue moves on few.
+std::vector<char> Presence::rows_passed(const cv::Mat &moving) const {
+    constexpr double half_of = 0.5;
+    std::vector<int> before(1, 0); // [row] rows that move, up to there
+    for (int r = 0; r < moving.rows; ++r) {
+        before.push_back(before.back() + (cv::countNonZero(moving.row(r)) > patch_unit / 4 ? 1 : 0));
+    }
+    std::vector<char> passed(static_cast<std::size_t>(moving.rows), 0);
+    for (int r = 0; r < moving.rows; ++r) {
+        const double vehicle = vehicle_rows_[static_cast<std::size_t>(r)];
+        const int from = std::max(0, r - static_cast<int>(vehicle * half_of));
+        const int to = std::min(moving.rows, r + static_cast<int>(vehicle * half_of) + 1);
+        const int many = before[static_cast<std::size_t>(to)] - before[static_cast<std::size_t>(from)];
+        passed[static_cast<std::size_t>(r)] = many > half_of * vehicle ? 1 : 0;
+    }
+    return passed;
+}
+
 /// Rows that something has moved on are known as soon as they rest: road that is there again, or another vehicle.
 void Presence::clear_unknown(const Background::Seen &seen, double dt_s) {
     constexpr double rest_s = 0.8;
@@ -160,12 +178,13 @@ void Presence::clear_unknown(const Background::Seen &seen, double dt_s) {
     cv::Mat texture;
     cv::blur(seen.light, texture, cv::Size(7, 7));
     texture = cv::abs(seen.light - texture);
+    const std::vector<char> passed = rows_passed(moving);
     for (int r = 0; r < seen.light.rows; ++r) {
         const auto row = static_cast<std::size_t>(r);
         if (unknown_[row] == 0) {
             continue;
         }
-        if (cv::countNonZero(moving.row(r)) > patch_unit / 4) {
+        if (passed[row] != 0) {
             quiet_s_[row] = 0;
             continue;
         }

@@ -64,6 +64,7 @@ class Presence {
 
     void find_unknown();
     void clear_unknown(const Background::Seen &seen, double dt_s);
+    [[nodiscard]] std::vector<char> rows_passed(const cv::Mat &moving) const;
     void find_covered(const Background::Seen &seen);
     void balance(double dt_s);
     [[nodiscard]] std::vector<Stretch> stretches() const;

@@ -379,9 +379,11 @@ void Section::parts_of(const cv::Mat &labels, int label, const std::vector<const
     part.right = lane_of_column(left + box.x + box.width);
     part.length = length_s / typical_s_;
     part.area = area / (patch_unit * patch_unit * vehicle_lanes);
+    const int last_row = box.y + box.height - 1;
+    const int middle_row = box.y + box.height / 2;
     const Run *first = row_runs[static_cast<std::size_t>(box.y)];
-    const Run *last = row_runs[static_cast<std::size_t>(box.y + box.height - 1)];
-    const Run *middle = row_runs[static_cast<std::size_t>(box.y + box.height / 2)];
+    const Run *last = row_runs[static_cast<std::size_t>(last_row)];
+    const Run *middle = row_runs[static_cast<std::size_t>(middle_row)];
     part.frame = middle->frame;
     part.t_s = middle->t_s;
     part.from_s = first->t_s;
