@@ -91,7 +91,7 @@ def test_a_camera_that_dies_is_said_and_comes_back_and_the_records_go_on(port: i
     assert camera.wait(timeout=20) == 0
     times = [float(str(line["t_s"])) for line in records(out)]
     gaps = [b - a for a, b in pairwise(times)]
-    assert max(gaps) < 2.0, "the records stopped"
+    assert max(gaps) < 3.0, "the records stopped"
 
 
 def test_a_camera_that_is_not_there_is_lost_from_the_start(port: int, tmp_path: Path) -> None:
