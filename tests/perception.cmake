@@ -9,6 +9,7 @@ set(ELMOPP_CLIPS "$ENV{ELMOPP_CLIPS}" CACHE PATH "Folder of clips with counted t
 add_library(camera_scene OBJECT perception/scene.cpp)
 target_include_directories(camera_scene PUBLIC perception)
 target_link_libraries(camera_scene PUBLIC elmopp_perception PRIVATE elmopp_flags)
+set_target_properties(camera_scene PROPERTIES INTERPROCEDURAL_OPTIMIZATION OFF)
 
 # Drawn traffic takes most of a minute: once under -Og, the counter also under the sanitizers. What the optimizer makes of the
 # same code is judged by the program's own tests.
