@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "background.hpp"
+
+#include "patch.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace elmopp {
+namespace {
+
+constexpr float log_offset = 16.0F;
+constexpr float colour_limit = 0.15F;
+constexpr float bright_limit = 0.16F;
+constexpr float dark_limit = -1.3F;
+
+constexpr float normal_median = 0.6745F * 1.414F; ///< of the difference of two pictures, in deviations of one
+constexpr float least_noise = 0.004F;
+constexpr float most_noise = 0.05F;
+constexpr float unknown_noise = 0.015F;
+constexpr double noise_tau_s = 5.0;
+constexpr double noise_quantile = 0.35;
+constexpr float normal_quantile = 0.4538F * 1.414F;
+
+int lengths(double lane_widths) {
+    return std::max(1, static_cast<int>(std::lround(lane_widths * patch_unit)));
+}
+
+int odd(double lane_widths) {
+    return 2 * (lengths(lane_widths) / 2) + 1;
+}
+
+/// The logarithm of a grey value in the light of the road as it was learnt.
+cv::Mat log_table(double gain) {
+    const double brighter = std::exp(-gain);
+    cv::Mat filled(1, 256, CV_32F);
+    for (int i = 0; i < 256; ++i) {
+        filled.at<float>(i) = static_cast<float>(std::log(i * brighter + static_cast<double>(log_offset)));
+    }
+    return filled;
+}
+
+cv::Mat box(const cv::Mat &of, int size) {
+    cv::Mat mean;
+    cv::blur(of, mean, cv::Size(size, size));
+    return mean;
+}
+
+cv::Mat high_pass(const cv::Mat &of, int size) {
+    return cv::abs(of - box(of, size));
+}
+
+float quantile(const cv::Mat &of, const cv::Mat &where, double share) {
+    std::vector<float> values;
+    values.reserve(of.total());
+    for (int r = 0; r < of.rows; ++r) {
+        const float *value = of.ptr<float>(r);
+        const uchar *counts = where.empty() ? nullptr : where.ptr<uchar>(r);
+        for (int c = 0; c < of.cols; ++c) {
+            if (counts == nullptr || counts[c] != 0) {
+                values.push_back(value[c]);
+            }
+        }
+    }
+    if (values.empty()) {
+        return 0.0F;
+    }
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+/// Mean of the shortest stretch of sorted values that holds `share` of them, and where it begins.
+std::pair<std::size_t, std::size_t> densest(const std::vector<std::pair<float, std::size_t>> &sorted, double share) {
+    const auto many = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())));
+    std::size_t best = 0;
+    float narrow = 1e9F;
+    for (std::size_t i = 0; i + many <= sorted.size(); ++i) {
+        const float width = sorted[i + many - 1].first - sorted[i].first;
+        if (width < narrow) {
+            narrow = width;
+            best = i;
+        }
+    }
+    return {best, many};
+}
+
+} // namespace
+
+Background::Background(cv::Mat valid) : valid_(std::move(valid)) {
+    still_s_ = cv::Mat::zeros(valid_.size(), CV_32F);
+}
+
+void Background::logarithms(const Sample &sample, Seen &seen) {
+    const cv::Mat table = log_table(sample.gain);
+    cv::Mat grey;
+    cv::cvtColor(sample.patch, grey, cv::COLOR_BGR2GRAY);
+    cv::LUT(grey, table, seen.light);
+    seen.gain = sample.gain;
+    cv::Mat all;
+    cv::LUT(sample.patch, table, all);
+    std::array<cv::Mat, 3> planes;
+    cv::split(all, planes.data());
+    seen.red = planes[2] - planes[1];
+    seen.blue = planes[0] - planes[1];
+}
+
+void Background::assume(const Sample &sample) {
+    Seen seen;
+    logarithms(sample, seen);
+    light_ = seen.light;
+    red_ = seen.red;
+    blue_ = seen.blue;
+    before_ = seen.light.clone();
+    judge_road();
+}
+
+void Background::learn(const std::vector<Sample> &samples) {
+    constexpr std::size_t most = 36;
+    constexpr double mode_share = 0.4;
+    const std::size_t many = std::min(most, samples.size());
+    std::vector<Seen> views(many);
+    for (std::size_t i = 0; i < many; ++i) {
+        logarithms(samples[i * (samples.size() - 1) / std::max<std::size_t>(1, many - 1)], views[i]);
+    }
+    gain_ = samples.back().gain;
+    light_.create(valid_.size(), CV_32F);
+    red_.create(valid_.size(), CV_32F);
+    blue_.create(valid_.size(), CV_32F);
+    std::vector<std::pair<float, std::size_t>> sorted(many);
+    for (int r = 0; r < light_.rows; ++r) {
+        for (int c = 0; c < light_.cols; ++c) {
+            for (std::size_t i = 0; i < many; ++i) {
+                sorted[i] = {views[i].light.at<float>(r, c), i};
+            }
+            std::sort(sorted.begin(), sorted.end());
+            const auto [first, count] = densest(sorted, mode_share);
+            cv::Vec3f sum(0, 0, 0);
+            for (std::size_t i = first; i < first + count; ++i) {
+                const Seen &view = views[sorted[i].second];
+                sum += cv::Vec3f(view.light.at<float>(r, c), view.red.at<float>(r, c), view.blue.at<float>(r, c));
+            }
+            sum /= static_cast<float>(count);
+            light_.at<float>(r, c) = sum[0];
+            red_.at<float>(r, c) = sum[1];
+            blue_.at<float>(r, c) = sum[2];
+        }
+    }
+    // Noise from frames that follow one another: what moves is in the minority.
+    std::vector<float> steps;
+    Seen one;
+    Seen two;
+    for (std::size_t i = 1; i < samples.size(); i += std::max<std::size_t>(1, samples.size() / 10)) {
+        logarithms(samples[i - 1], one);
+        logarithms(samples[i], two);
+        const cv::Mat step = cv::abs(two.light - one.light);
+        steps.push_back(quantile(step, valid_, 0.5));
+    }
+    std::sort(steps.begin(), steps.end());
+    const float typical = steps.empty() ? unknown_noise * normal_median : steps[steps.size() / 2];
+    noise_ = std::clamp(typical / normal_median, least_noise, most_noise);
+    before_.release();
+    crept_.release();
+    still_s_.setTo(0);
+    judge_road();
+    learnt_ = true;
+}
+
+void Background::rebase(double gain) {
+    const float factor = static_cast<float>(std::exp(gain));
+    for (int r = 0; r < light_.rows; ++r) {
+        for (int c = 0; c < light_.cols; ++c) {
+            const float grey = std::max(0.0F, std::exp(light_.at<float>(r, c)) - log_offset);
+            light_.at<float>(r, c) = std::log(grey * factor + log_offset);
+        }
+    }
+    before_.release();
+    gain_ = 0;
+}
+
+void Background::judge_road() {
+    constexpr double day_grey = 60.0;
+    constexpr double light_grey = 75.0;
+    const double learnt =
+        std::exp(static_cast<double>(quantile(light_, valid_, 0.5))) - static_cast<double>(log_offset);
+    grey_ = learnt * std::exp(gain_);
+    day_ = grey_ > day_grey;
+    const float sharp =
+        quantile(high_pass(light_, 3), valid_, 0.9) / std::max(1e-6F, quantile(high_pass(light_, 7), valid_, 0.9));
+    fine_ = sharp > 0.36F && noise_ < 0.018F && grey_ > light_grey ? 3 : 7;
+}
+
+cv::Mat Background::road_texture() const {
+    return high_pass(light_, 7);
+}
+
+Background::Seen Background::look(const Sample &sample) {
+    constexpr double density_limit = 0.2;
+    constexpr float plain_bright = 0.40F;
+    Seen seen;
+    logarithms(sample, seen);
+    cv::Mat change = seen.light - light_;
+    const float texture_limit = std::max(0.07F, 2.5F * noise_);
+    cv::Mat texture = high_pass(change, fine_) > texture_limit;
+    texture &= valid_;
+    const cv::Mat plain = ~texture & valid_;
+    const float common = cv::countNonZero(plain) > 20 ? quantile(change, plain, 0.5) : 0.0F;
+    change -= common;
+    seen.change = change;
+    const cv::Mat red_change = cv::abs(seen.red - red_);
+    const cv::Mat blue_change = cv::abs(seen.blue - blue_);
+    const cv::Mat colour = cv::max(red_change, blue_change);
+    cv::Mat may = texture | (colour > colour_limit) | (change < dark_limit);
+    if (day_) {
+        may |= change > bright_limit;
+    }
+    cv::Mat density;
+    texture.convertTo(density, CV_32F, 1.0 / 255);
+    cv::Mat sure = box(density, odd(0.28)) > density_limit;
+    if (day_) {
+        sure |= change > plain_bright;
+    }
+    seen.object = may & sure & valid_;
+    const cv::Mat close = cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(odd(0.15), odd(0.15)));
+    const cv::Mat open = cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(odd(0.20), odd(0.20)));
+    cv::morphologyEx(seen.object, seen.object, cv::MORPH_CLOSE, close);
+    cv::morphologyEx(seen.object, seen.object, cv::MORPH_OPEN, open);
+    seen.candidate = (texture | (cv::abs(change) > bright_limit) | (colour > 0.10F) | seen.object) & valid_;
+    // Rows that a vehicle covers, also one between two lanes.
+    cv::Mat width;
+    seen.object.convertTo(width, CV_32F, 1.0 / 255);
+    cv::Mat window;
+    cv::boxFilter(width, window, CV_32F, cv::Size(patch_unit, 1), cv::Point(-1, -1), true, cv::BORDER_CONSTANT);
+    cv::Mat widest;
+    cv::reduce(window, widest, 1, cv::REDUCE_MAX);
+    seen.covered = widest > 0.35F;
+    return seen;
+}
+
+cv::Mat Background::ghosts(const Seen &seen, double ghost_s) const {
+    const int area = odd(0.5);
+    const cv::Mat here = box(high_pass(seen.light, 3), area);
+    const cv::Mat road = box(high_pass(light_, 3), area);
+    cv::Mat ghost = (seen.object != 0) & (still_s_ >= ghost_s) & (here < 0.7 * road);
+    return ghost;
+}
+
+/// What became an object while nothing moved there is no vehicle: light that has crept on.
+void Background::follow_crept(const Seen &seen) {
+    constexpr double still_s = 0.5;
+    if (crept_.empty()) {
+        crept_ = cv::Mat::zeros(valid_.size(), CV_8U);
+        object_before_ = seen.object.clone();
+    }
+    const cv::Mat still = still_s_ > still_s;
+    crept_ |= seen.object & ~object_before_ & still;
+    crept_ &= seen.object & still;
+    object_before_ = seen.object.clone();
+}
+
+void Background::renew(const Seen &seen, double dt_s, const cv::Mat &held, double ghost_s) {
+    constexpr double quiet_tau_s = 1.5;
+    constexpr double shade_tau_s = 8.0;
+    constexpr double speck_tau_s = 0.5;
+    constexpr double speck_s = 0.3;
+    constexpr double ghost_rate = 0.25;
+    constexpr double crept_tau_s = 1.0;
+    constexpr int most_firm = 76; // of 255
+    const auto rate = [dt_s](double tau_s) { return 1.0 - std::exp(-dt_s / tau_s); };
+    if (!before_.empty()) {
+        const cv::Mat step = cv::abs(seen.light - before_);
+        const cv::Mat quiet = step < std::max(0.03F, 3 * noise_);
+        // Of all pixels, not of the road's alone: noise that has grown makes road look like something else.
+        const float now = std::clamp(quantile(step, valid_, noise_quantile) / normal_quantile, least_noise, most_noise);
+        noise_ += static_cast<float>(rate(noise_tau_s)) * (now - noise_);
+        still_s_ += dt_s;
+        still_s_.setTo(0, ~quiet);
+    }
+    before_ = seen.light;
+    cv::Mat rates(valid_.size(), CV_32F, cv::Scalar(rate(quiet_tau_s)));
+    rates.setTo(rate(shade_tau_s), seen.candidate);
+    cv::Mat near;
+    const cv::Mat around = cv::getStructuringElement(cv::MORPH_RECT, cv::Size(odd(0.4), odd(0.4)));
+    cv::dilate(seen.object, near, around);
+    rates.setTo(0, near);
+    follow_crept(seen);
+    const cv::Mat specks = (seen.object != 0) & (still_s_ >= speck_s);
+    rates.setTo(rate(speck_tau_s), specks);
+    for (int r = 0; r < rates.rows; ++r) {
+        if (seen.covered.at<uchar>(r) != 0 || (!held.empty() && held.at<uchar>(r) != 0)) {
+            rates.row(r).setTo(0);
+        }
+    }
+    cv::Mat firm;
+    cv::boxFilter(seen.object & ~crept_, firm, CV_8U, cv::Size(odd(0.4), odd(0.4)));
+    rates.setTo(rate(crept_tau_s), crept_ & (firm < most_firm));
+    rates.setTo(ghost_rate, ghosts(seen, ghost_s));
+    rates.setTo(0, ~valid_);
+    // Towards the picture without its gain; `light` still holds what is common to all of the patch, and must.
+    judged_s_ += dt_s;
+    if (judged_s_ > 1.0) {
+        judged_s_ = 0;
+        gain_ = seen.gain;
+        judge_road();
+    }
+    light_ += rates.mul(seen.light - light_);
+    red_ += rates.mul(seen.red - red_);
+    blue_ += rates.mul(seen.blue - blue_);
+}
+
+} // namespace elmopp

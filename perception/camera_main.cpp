@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// elmopp-camera: reads a camera or a video, counts, and says so once a second: on a CAN bus, as lines of JSON, as
+/// pictures. Turns arguments into a Counter and carries frames to it; it decides nothing about what is seen.
+
+#include "camera_bus.hpp"
+#include "can_interface.hpp"
+#include "can_socket.hpp"
+#include "counter.hpp"
+#include "error.hpp"
+#include "overlay.hpp"
+#include "program.hpp"
+#include "record_json.hpp"
+#include "source.hpp"
+#include "whole_file.hpp"
+
+#include <CLI/CLI.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace elmopp {
+namespace {
+
+const char *const camera_program = "elmopp-camera";
+
+volatile std::sig_atomic_t stop_asked = 0;
+
+struct CameraRequest {
+    std::string source;
+    std::string lanes;
+    std::string can;
+    std::string jsonl;
+    std::string overlay;
+    std::string crossings;
+    std::string timing;
+    double seconds = 0.0;
+};
+
+/// Lines that are written at once: somebody may be reading them.
+class Lines {
+  public:
+    Lines(const std::string &option, const std::string &file) : file_(file) {
+        if (file_.empty() || file_ == "-") {
+            return;
+        }
+        stream_.open(file_);
+        if (!stream_) {
+            throw BadRequest(option + " " + file_ +
+                             ": cannot be written; right would be a file in a folder that is there");
+        }
+    }
+
+    void write(const std::string &line) {
+        if (!file_.empty()) {
+            (file_ == "-" ? std::cout : stream_) << line << "\n" << std::flush;
+        }
+    }
+
+  private:
+    std::string file_;
+    std::ofstream stream_;
+};
+
+/// What the program cost, for tools/score-counter.
+class Timing {
+  public:
+    void begin() {
+        began_ = processor_s();
+    }
+
+    void end() {
+        frames_s_.push_back(processor_s() - began_);
+    }
+
+    [[nodiscard]] std::string line() const {
+        rusage used{};
+        getrusage(RUSAGE_SELF, &used);
+        std::vector<double> sorted = frames_s_;
+        std::sort(sorted.begin(), sorted.end());
+        const double p99_s = sorted.empty() ? 0.0 : sorted[(sorted.size() - 1) * 99 / 100];
+        const double cpu_s = processor_s();
+        constexpr double kib_a_mib = 1024.0;
+        return "{\"frames\": " + std::to_string(frames_s_.size()) + ", \"cpu_s\": " + std::to_string(cpu_s) +
+               ", \"p99_ms\": " + std::to_string(1000 * p99_s) +
+               ", \"rss_mb\": " + std::to_string(static_cast<double>(used.ru_maxrss) / kib_a_mib) + "}";
+    }
+
+  private:
+    static double processor_s() {
+        timespec now{};
+        clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+        return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+    }
+
+    double began_ = 0.0;
+    std::vector<double> frames_s_;
+};
+
+class CameraProgram {
+  public:
+    explicit CameraProgram(const CameraRequest &request)
+        : request_(request), file_(read_lane_file(request.lanes)), counter_(file_), bus_(file_),
+          jsonl_("--jsonl", request.jsonl), crossings_("--crossings", request.crossings),
+          timing_("--timing", request.timing) {
+        for (const std::string &warning : lane_file_warnings(file_)) {
+            say(camera_program, request.lanes + ": " + warning);
+        }
+        take_reference();
+        if (!file_.model.empty()) {
+            throw BadRequest(request.lanes +
+                             ": model is not supported by this build; right would be a file without it");
+        }
+        if (!request.overlay.empty()) {
+            overlay_ = std::make_unique<Overlay>(request.overlay);
+        }
+        if (!request.can.empty()) {
+            can_ = std::make_unique<CanSocket>(request.can, std::vector<std::uint16_t>{});
+        }
+    }
+
+    void run() {
+        if (is_live(request_.source)) {
+            run_live();
+        } else {
+            run_file();
+        }
+        if (overlay_) {
+            overlay_->finish();
+        }
+        timing_.write(clock_.line());
+    }
+
+  private:
+    void take_reference() {
+        if (file_.reference.empty()) {
+            return;
+        }
+        const cv::Mat road = cv::imread(file_.reference.string());
+        if (road.cols != file_.width_px || road.rows != file_.height_px) {
+            throw BadRequest(request_.lanes + ": reference " + file_.reference.string() +
+                             " is no picture of the size of the lane file");
+        }
+        counter_.reference(road);
+    }
+
+    void check_size(const cv::Mat &bgr) {
+        if (bgr.cols != file_.width_px || bgr.rows != file_.height_px) {
+            throw BadRequest("--lanes " + request_.lanes + ": is for " + std::to_string(file_.width_px) + " x " +
+                             std::to_string(file_.height_px) + " and the source gives " + std::to_string(bgr.cols) +
+                             " x " + std::to_string(bgr.rows));
+        }
+    }
+
+    void feed(const Frame &frame) {
+        counter_.feed(frame.bgr, frame.t_s);
+        tell_crossings();
+    }
+
+    void tell_crossings() {
+        for (const Crossing &crossing : counter_.take_crossings()) {
+            crossings_.write(crossing_line(crossing, file_));
+        }
+    }
+
+    void draw(const Frame &frame) {
+        if (overlay_) {
+            cv::Mat picture = frame.bgr.clone();
+            counter_.draw(picture, last_);
+            overlay_->add(picture, frame.t_s);
+        }
+    }
+
+    void tell(double latency_ms, std::uint64_t dropped) {
+        last_ = counter_.record();
+        jsonl_.write(record_line(last_, latency_ms, dropped));
+        if (can_) {
+            for (const elmopp_frame_t &frame : bus_.counts(last_)) {
+                can_->send(frame);
+            }
+        }
+    }
+
+    void tell_junction() {
+        if (can_ && !file_.junction_px.empty()) {
+            if (const auto frame = bus_.junction(counter_.glance())) {
+                can_->send(*frame);
+            }
+        }
+    }
+
+    void run_file();
+    void run_live();
+
+    CameraRequest request_;
+    LaneFile file_;
+    Counter counter_;
+    CameraBus bus_;
+    Lines jsonl_;
+    Lines crossings_;
+    Lines timing_;
+    Timing clock_;
+    std::unique_ptr<Overlay> overlay_;
+    std::unique_ptr<CanSocket> can_;
+    Record last_;
+};
+
+constexpr double second_s = 1.0;
+constexpr double junction_s = 0.2;
+
+/// Every frame, and a record after the first one and after each second of the video. On a bus at the video's own pace.
+void CameraProgram::run_file() {
+    VideoFile video(request_.source);
+    const auto start = std::chrono::steady_clock::now();
+    Frame frame;
+    double next_s = 0;
+    double next_junction_s = 0;
+    std::int64_t frames = 0;
+    clock_.begin();
+    while (stop_asked == 0 && video.next(frame)) {
+        if (frames++ == 0) {
+            check_size(frame.bgr);
+            next_s = frame.t_s;
+        }
+        if (can_) {
+            std::this_thread::sleep_until(start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                                      std::chrono::duration<double>(frame.t_s)));
+        }
+        feed(frame);
+        if (frame.t_s >= next_junction_s) {
+            tell_junction();
+            next_junction_s = frame.t_s + junction_s;
+        }
+        constexpr double rounding_s = 1e-6;
+        if (frame.t_s + rounding_s >= next_s) {
+            tell(0, 0);
+            next_s += second_s * (1 + std::floor(frame.t_s + rounding_s - next_s));
+        }
+        draw(frame);
+        clock_.end();
+        clock_.begin();
+        if (request_.seconds > 0 && frame.t_s >= request_.seconds) {
+            break;
+        }
+    }
+    if (frames == 0) {
+        throw BadRequest("--source " + request_.source + ": holds no picture that can be read");
+    }
+    counter_.finish();
+    tell_crossings();
+    tell(0, 0);
+    constexpr double whole = 0.95;
+    if (stop_asked == 0 && request_.seconds <= 0 &&
+        static_cast<double>(frames) < whole * static_cast<double>(video.promised())) {
+        say(camera_program, request_.source + ": ends after " + std::to_string(frames) + " of " +
+                                std::to_string(video.promised()) + " frames, it is damaged or cut short");
+    }
+}
+
+/// The newest frame, and a record each second whether there are frames or not.
+void CameraProgram::run_live() {
+    LiveSource live(request_.source);
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    const auto at = [start](double t_s) {
+        return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t_s));
+    };
+    double next_s = second_s;
+    double next_junction_s = junction_s;
+    double worst_ms = 0;
+    while (stop_asked == 0) {
+        Frame frame;
+        if (live.take(frame, at(std::min(next_s, next_junction_s)))) {
+            clock_.begin();
+            check_size(frame.bgr);
+            feed(frame);
+            draw(frame);
+            clock_.end();
+            worst_ms = std::max(worst_ms, 1000 * (live.now_s() - frame.t_s));
+        } else {
+            counter_.miss(live.now_s());
+        }
+        const double now_s = live.now_s();
+        if (now_s >= next_junction_s) {
+            tell_junction();
+            next_junction_s = std::max(next_junction_s + junction_s, now_s);
+        }
+        if (now_s >= next_s) {
+            tell(worst_ms, live.dropped());
+            worst_ms = 0;
+            next_s += second_s * (1 + std::floor(now_s - next_s));
+        }
+        if (request_.seconds > 0 && now_s >= request_.seconds) {
+            break;
+        }
+    }
+    counter_.finish();
+    tell_crossings();
+}
+
+void describe_camera(CLI::App &app, CameraRequest &request) {
+    app.description("Counts vehicles in each lane of a camera's picture.");
+    app.add_option("--source", request.source,
+                   "Video file, rtsp://..., gst:PIPELINE (ends with appsink), v4l2:N or /dev/videoN")
+        ->required();
+    app.add_option("--lanes", request.lanes, "Lane file elmopp-lanes/1 (docs/camera.md)")->required();
+    app.add_option("--can", request.can, "CAN interface to send DetectorCounts and JunctionOccupied on");
+    app.add_option("--jsonl", request.jsonl, "File for one record a second; - is stdout");
+    app.add_option("--overlay", request.overlay,
+                   "Video (.avi, .mp4) or picture (.png, .jpg: the last frame) to draw on");
+    app.add_option("--crossings", request.crossings, "File for each crossing as a line of JSON; - is stdout");
+    app.add_option("--timing", request.timing, "File for what the program cost, for tools/score-counter");
+    app.add_option("--seconds", request.seconds, "End after so long")->check(CLI::PositiveNumber);
+}
+
+void run_camera(const CameraRequest &request) {
+    cv::setNumThreads(1);
+    std::signal(SIGINT, [](int) { stop_asked = 1; });
+    std::signal(SIGTERM, [](int) { stop_asked = 1; });
+    CameraProgram(request).run();
+}
+
+} // namespace
+} // namespace elmopp
+
+int main(int argc, char **argv) {
+    return elmopp::run_program<elmopp::CameraRequest>(elmopp::camera_program, argc, argv, elmopp::describe_camera,
+                                                      elmopp::run_camera);
+}

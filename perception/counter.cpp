@@ -1,0 +1,554 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "counter.hpp"
+
+#include "health.hpp"
+#include "junction_box.hpp"
+#include "presence.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace elmopp {
+namespace {
+
+constexpr double learning_s = 3.0;
+constexpr std::size_t learning_least = 12; ///< frames
+constexpr int catch_up = 3;                ///< kept frames that are counted with each new one
+
+bool vertical(const Lane &lane) {
+    return lane.direction == Direction::up || lane.direction == Direction::down;
+}
+
+/// Position across the travel, for sorting.
+double across(const cv::Point2d &at, const Lane &lane) {
+    return vertical(lane) ? at.x : at.y;
+}
+
+Lane ordered(Lane lane) {
+    if (across(lane.to_px, lane) < across(lane.from_px, lane)) {
+        std::swap(lane.from_px, lane.to_px);
+    }
+    return lane;
+}
+
+/// Lanes side by side whose lines meet; indices into the file.
+std::vector<std::vector<int>> sections_of(const std::vector<Lane> &lanes) {
+    constexpr double together = 0.12;
+    std::vector<int> order(lanes.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto lane = [&lanes](int i) { return ordered(lanes[static_cast<std::size_t>(i)]); };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return across(lane(a).from_px, lane(a)) < across(lane(b).from_px, lane(b)); });
+    std::vector<std::vector<int>> sections;
+    for (const int next : order) {
+        bool placed = false;
+        for (auto &section : sections) {
+            const Lane last = lane(section.back());
+            const Lane mine = lane(next);
+            const double length = std::max(cv::norm(mine.to_px - mine.from_px), cv::norm(last.to_px - last.from_px));
+            if (!placed && last.direction == mine.direction &&
+                cv::norm(last.to_px - mine.from_px) < together * length) {
+                section.push_back(next);
+                placed = true;
+            }
+        }
+        if (!placed) {
+            sections.push_back({next});
+        }
+    }
+    return sections;
+}
+
+/// Where vehicles move: 255 about the lines and in the zones.
+cv::Mat traffic_of(const LaneFile &file) {
+    cv::Mat traffic = cv::Mat::zeros(file.height_px, file.width_px, CV_8U);
+    for (const Lane &lane : file.lanes) {
+        const double width = cv::norm(lane.to_px - lane.from_px);
+        const cv::Point2d way = vertical(lane) ? cv::Point2d(0, 1.5 * width) : cv::Point2d(1.5 * width, 0);
+        std::vector<cv::Point> corners;
+        for (const cv::Point2d &corner : {lane.from_px - way, lane.to_px - way, lane.to_px + way, lane.from_px + way}) {
+            corners.emplace_back(corner);
+        }
+        cv::fillConvexPoly(traffic, corners, cv::Scalar(255));
+        if (!lane.zone_px.empty()) {
+            const std::vector<cv::Point> zone(lane.zone_px.begin(), lane.zone_px.end());
+            cv::fillPoly(traffic, std::vector<std::vector<cv::Point>>{zone}, cv::Scalar(255));
+        }
+    }
+    return traffic;
+}
+
+} // namespace
+
+const char *reason_name(Reason reason) {
+    switch (reason) {
+    case Reason::ok:
+        return "ok";
+    case Reason::learning:
+        return "learning";
+    case Reason::black:
+        return "black";
+    case Reason::white:
+        return "white";
+    case Reason::frozen:
+        return "frozen";
+    case Reason::blurred:
+        return "blurred";
+    case Reason::covered:
+        return "covered";
+    case Reason::moved:
+        return "moved";
+    case Reason::lost:
+        break;
+    }
+    return "lost";
+}
+
+struct Counter::Impl {
+    struct Kept {
+        Background::Sample sample;
+        std::int64_t frame;
+        double t_s;
+        double dt_s;
+    };
+    struct Road {
+        std::unique_ptr<Section> section;
+        std::vector<int> lanes; ///< index in the section to index in the file
+        std::deque<Kept> kept;
+    };
+    struct Zone {
+        std::unique_ptr<Presence> presence;
+        std::size_t lane;
+        std::vector<Background::Sample> kept;
+    };
+    struct Box {
+        std::unique_ptr<JunctionBox> junction;
+        std::vector<Background::Sample> kept;
+    };
+
+    explicit Impl(const LaneFile &lane_file);
+
+    double step_of(double now_s);
+    bool is_cut(double change);
+    void keep_or_count(Road &road, const Kept &kept);
+    void count(Road &road, const Kept &kept);
+    void collect(Road &road);
+    void learn_anew();
+    void end_learning();
+    void feed_roads(const cv::Mat &bgr, const Registration::Result &placed, double step_s);
+    void feed_zones(const cv::Mat &bgr, const Registration::Result &placed, double step_s);
+    [[nodiscard]] bool caught_up() const;
+    void rebase();
+    void pause(double step_s);
+    void resume();
+    [[nodiscard]] Reason reason(std::size_t lane) const;
+
+    static constexpr double most_gain = 0.8; ///< from there on the road is taken over into the present light
+
+    LaneFile file;
+    Registration registration;
+    Health health;
+    std::vector<Road> roads;
+    std::vector<Zone> zones;
+    std::optional<Box> box;
+    std::vector<std::int64_t> totals;
+    std::vector<std::int64_t> told;
+    std::vector<double> busy_s; ///< [lane] with a vehicle on the line, since the last record
+    double open_s = 0.0;        ///< counted time since the last record
+    std::vector<Crossing> crossings;
+    std::deque<double> steps;
+    std::deque<double> changes;
+    double learnt_for_s = 0.0;
+    double zone_step_s = 0.0;
+    double paused_s = 0.0;
+    double agreement = 1.0;
+    bool learning = true;
+    std::int64_t frame = -1;
+    double t_s = 0.0;
+    double last_s = 0.0;
+    double dt_s = 0.04;
+};
+
+Counter::Impl::Impl(const LaneFile &lane_file)
+    : file(lane_file), registration(traffic_of(lane_file)), health(traffic_of(lane_file)) {
+    const cv::Size picture(file.width_px, file.height_px);
+    double width_px = 0;
+    for (const auto &indices : sections_of(file.lanes)) {
+        std::vector<Lane> lanes(indices.size());
+        std::transform(indices.begin(), indices.end(), lanes.begin(),
+                       [this](int i) { return ordered(file.lanes[static_cast<std::size_t>(i)]); });
+        roads.push_back({std::make_unique<Section>(lanes, picture), indices, {}});
+        width_px = std::max(width_px, roads.back().section->patch().lane_width_px());
+    }
+    for (std::size_t i = 0; i < file.lanes.size(); ++i) {
+        if (!file.lanes[i].zone_px.empty()) {
+            zones.push_back({std::make_unique<Presence>(file.lanes[i], picture), i, {}});
+        }
+    }
+    if (!file.junction_px.empty()) {
+        box = Box{std::make_unique<JunctionBox>(file.junction_px, width_px, picture), {}};
+    }
+    totals.assign(file.lanes.size(), 0);
+    told.assign(file.lanes.size(), 0);
+    busy_s.assign(file.lanes.size(), 0.0);
+}
+
+/// Seconds since the last frame; the usual step where the clock has jumped.
+double Counter::Impl::step_of(double now_s) {
+    constexpr std::size_t memory = 25;
+    constexpr double longest_s = 1.0;
+    const double step = now_s - last_s;
+    last_s = now_s;
+    if (frame > 0 && step > 1e-4 && step < longest_s) {
+        steps.push_back(step);
+        if (steps.size() > memory) {
+            steps.pop_front();
+        }
+        std::vector<double> sorted(steps.begin(), steps.end());
+        std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+        dt_s = sorted[sorted.size() / 2];
+        return step;
+    }
+    return dt_s;
+}
+
+bool Counter::Impl::is_cut(double change) {
+    constexpr std::size_t memory = 50;
+    constexpr std::size_t recent = 5;
+    constexpr double large = 4.0;
+    bool cut = false;
+    if (changes.size() >= recent) {
+        std::vector<double> sorted(changes.begin(), changes.end());
+        std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+        const double usual = sorted[sorted.size() / 2];
+        const double most = *std::max_element(changes.end() - recent, changes.end());
+        cut = change > large && change > 4 * usual && change > 2 * most;
+    }
+    changes.push_back(change);
+    if (changes.size() > memory) {
+        changes.pop_front();
+    }
+    return cut;
+}
+
+void Counter::Impl::collect(Road &road) {
+    for (Crossing crossing : road.section->take()) {
+        crossing.lane = road.lanes[static_cast<std::size_t>(crossing.lane)];
+        ++totals[static_cast<std::size_t>(crossing.lane)];
+        crossings.push_back(crossing);
+        for (Zone &zone : zones) {
+            if (zone.lane == static_cast<std::size_t>(crossing.lane)) {
+                zone.presence->crossed(1);
+            }
+        }
+    }
+}
+
+void Counter::Impl::count(Road &road, const Kept &kept) {
+    road.section->feed(kept.sample, kept.frame, kept.t_s, kept.dt_s);
+    for (std::size_t i = 0; i < road.lanes.size(); ++i) {
+        busy_s[static_cast<std::size_t>(road.lanes[i])] += road.section->covered(static_cast<int>(i)) ? kept.dt_s : 0.0;
+    }
+    open_s += &road == roads.data() ? kept.dt_s : 0.0;
+}
+
+void Counter::Impl::keep_or_count(Road &road, const Kept &kept) {
+    if (learning || !road.kept.empty()) {
+        road.kept.push_back(kept);
+        for (int i = 0; i < catch_up && !learning && !road.kept.empty(); ++i) {
+            const Kept next = road.kept.front();
+            road.kept.pop_front();
+            count(road, next);
+        }
+    } else {
+        count(road, kept);
+    }
+    collect(road);
+}
+
+/// The scene is another one. What is still kept is counted on the road as it was.
+void Counter::Impl::learn_anew() {
+    for (Road &road : roads) {
+        if (!learning) {
+            for (const Kept &kept : road.kept) {
+                count(road, kept);
+            }
+        }
+        road.section->close();
+        collect(road);
+        road.kept.clear();
+    }
+    for (Zone &zone : zones) {
+        zone.kept.clear();
+    }
+    if (box) {
+        box->kept.clear();
+    }
+    learning = true;
+    learnt_for_s = 0;
+}
+
+void Counter::Impl::end_learning() {
+    for (Road &road : roads) {
+        std::vector<Background::Sample> samples(road.kept.size());
+        std::transform(road.kept.begin(), road.kept.end(), samples.begin(),
+                       [](const Kept &kept) { return kept.sample; });
+        road.section->background().learn(samples);
+    }
+    for (Zone &zone : zones) {
+        zone.presence->learn(zone.kept);
+        zone.kept.clear();
+    }
+    if (box) {
+        box->junction->learn(box->kept);
+        box->kept.clear();
+    }
+    learning = false;
+}
+
+void Counter::Impl::feed_roads(const cv::Mat &bgr, const Registration::Result &placed, double step_s) {
+    for (Road &road : roads) {
+        keep_or_count(road, {{road.section->patch().sample(bgr, placed.shift_px), placed.gain}, frame, t_s, step_s});
+    }
+}
+
+/// Zones change slowly: they are looked at a few times a second.
+void Counter::Impl::feed_zones(const cv::Mat &bgr, const Registration::Result &placed, double step_s) {
+    constexpr double look_s = 0.11;
+    const bool first = zone_step_s <= 0;
+    zone_step_s += step_s;
+    if (zone_step_s < look_s && !first) {
+        return;
+    }
+    for (Zone &zone : zones) {
+        const Background::Sample sample{zone.presence->patch().sample(bgr, placed.shift_px), placed.gain};
+        if (learning) {
+            if (zone.kept.empty()) {
+                zone.presence->assume(sample);
+            }
+            zone.kept.push_back(sample);
+        } else {
+            zone.presence->feed(sample, zone_step_s);
+        }
+    }
+    if (box) {
+        const Background::Sample sample{box->junction->patch().sample(bgr, placed.shift_px), placed.gain};
+        if (learning) {
+            box->kept.push_back(sample);
+        } else {
+            box->junction->feed(sample, zone_step_s);
+        }
+    }
+    zone_step_s = 1e-6;
+}
+
+bool Counter::Impl::caught_up() const {
+    return std::all_of(roads.begin(), roads.end(), [](const Road &road) { return road.kept.empty(); });
+}
+
+/// The day has become much lighter or darker: everybody goes on in the present light.
+void Counter::Impl::rebase() {
+    const double gain = registration.rebase();
+    for (Road &road : roads) {
+        road.section->background().rebase(gain);
+    }
+    for (Zone &zone : zones) {
+        zone.presence->rebase(gain);
+    }
+    if (box) {
+        box->junction->rebase(gain);
+    }
+}
+
+void Counter::Impl::pause(double step_s) {
+    paused_s += step_s;
+}
+
+/// After a pause nothing on the line is what it was; after a long one the road is not, either.
+void Counter::Impl::resume() {
+    constexpr double short_s = 0.5;
+    constexpr double long_s = 60.0;
+    if (paused_s > long_s) {
+        learn_anew();
+    } else if (paused_s > short_s) {
+        for (Road &road : roads) {
+            road.section->interrupt();
+        }
+    }
+    paused_s = 0;
+}
+
+Reason Counter::Impl::reason(std::size_t lane) const {
+    if (health.fault() != Reason::ok) {
+        return health.fault();
+    }
+    const bool unknown = std::any_of(
+        zones.begin(), zones.end(), [lane](const Zone &zone) { return zone.lane == lane && zone.presence->unknown(); });
+    return learning || unknown ? Reason::learning : Reason::ok;
+}
+
+Counter::Counter(const LaneFile &file) : impl_(std::make_unique<Impl>(file)) {}
+Counter::~Counter() = default;
+
+void Counter::reference(const cv::Mat &bgr) {
+    Impl &my = *impl_;
+    const Registration::Result placed = my.registration.follow(bgr);
+    const auto sample_of = [&](const Patch &patch) {
+        return std::vector<Background::Sample>{{patch.sample(bgr, placed.shift_px), placed.gain}};
+    };
+    for (Impl::Road &road : my.roads) {
+        road.section->background().learn(sample_of(road.section->patch()));
+    }
+    for (Impl::Zone &zone : my.zones) {
+        zone.presence->learn(sample_of(zone.presence->patch()));
+        zone.presence->known();
+    }
+    if (my.box) {
+        my.box->junction->learn(sample_of(my.box->junction->patch()));
+    }
+    my.learning = false;
+}
+
+void Counter::feed(const cv::Mat &bgr, double t_s) {
+    Impl &my = *impl_;
+    if (bgr.type() != CV_8UC3 || bgr.cols != my.file.width_px || bgr.rows != my.file.height_px) {
+        miss(t_s);
+        return;
+    }
+    ++my.frame;
+    my.t_s = t_s;
+    const double step_s = my.step_of(t_s);
+    if (!my.health.look(bgr, step_s)) {
+        my.pause(step_s);
+        return;
+    }
+    Registration::Result placed = my.registration.follow(bgr);
+    my.agreement = placed.agreement;
+    my.health.placed(cv::norm(placed.shift_px), placed.sure, step_s);
+    if (my.is_cut(placed.change)) {
+        my.learn_anew();
+        my.registration.rebase();
+        placed.gain = 0;
+    } else if (std::abs(placed.gain) > my.most_gain && !my.learning && my.caught_up()) {
+        my.rebase();
+        placed.gain = 0;
+    }
+    if (!placed.sure && my.health.fault() == Reason::moved) {
+        my.pause(step_s);
+        return;
+    }
+    my.resume();
+    my.feed_roads(bgr, placed, step_s);
+    my.feed_zones(bgr, placed, step_s);
+    my.learnt_for_s += my.learning ? step_s : 0.0;
+    if (my.learning && my.learnt_for_s >= learning_s && my.roads.front().kept.size() >= learning_least) {
+        my.end_learning();
+    }
+}
+
+void Counter::miss(double t_s) {
+    Impl &my = *impl_;
+    my.t_s = t_s;
+    my.health.nothing(t_s - my.last_s);
+    my.paused_s = std::max(my.paused_s, t_s - my.last_s);
+}
+
+void Counter::finish() {
+    constexpr std::size_t least = 3;
+    Impl &my = *impl_;
+    if (my.learning && my.roads.front().kept.size() >= least) {
+        my.end_learning();
+    }
+    my.learn_anew();
+}
+
+std::vector<Crossing> Counter::take_crossings() {
+    std::vector<Crossing> taken;
+    taken.swap(impl_->crossings);
+    return taken;
+}
+
+Record Counter::record() {
+    Impl &my = *impl_;
+    Record record = glance();
+    my.told = my.totals;
+    my.open_s = 0;
+    my.busy_s.assign(my.busy_s.size(), 0.0);
+    return record;
+}
+
+Record Counter::glance() const {
+    constexpr double night_confidence = 0.7;
+    const Impl &my = *impl_;
+    Record record;
+    record.t_s = my.t_s;
+    record.frame = my.frame;
+    for (std::size_t i = 0; i < my.file.lanes.size(); ++i) {
+        LaneRecord lane;
+        lane.name = my.file.lanes[i].name;
+        lane.arrived_total = my.totals[i];
+        lane.inflow = my.totals[i] - my.told[i];
+        lane.occupancy = my.open_s > 0 ? std::min(1.0, my.busy_s[i] / my.open_s) : 0.0;
+        lane.reason = my.frame < 0 ? Reason::lost : my.reason(i);
+        lane.valid = lane.reason == Reason::ok;
+        record.lanes.push_back(lane);
+    }
+    for (const Impl::Zone &zone : my.zones) {
+        record.lanes[zone.lane].present = zone.presence->present();
+    }
+    for (const Impl::Road &road : my.roads) {
+        const double light = road.section->background().day() ? 1.0 : night_confidence;
+        for (const int lane : road.lanes) {
+            LaneRecord &one = record.lanes[static_cast<std::size_t>(lane)];
+            one.confidence = one.valid ? light * std::min(1.0, 0.5 + my.agreement) : 0.0;
+        }
+    }
+    if (my.box) {
+        const Reason why = my.frame < 0                      ? Reason::lost
+                           : my.health.fault() != Reason::ok ? my.health.fault()
+                           : my.learning                     ? Reason::learning
+                                                             : Reason::ok;
+        record.junction = JunctionRecord{my.box->junction->occupied(), why == Reason::ok, why};
+    }
+    return record;
+}
+
+void Counter::draw(cv::Mat &bgr, const Record &record) const {
+    const Impl &my = *impl_;
+    const auto outline = [&bgr](const Polygon &polygon, const cv::Scalar &colour) {
+        const std::vector<cv::Point> corners(polygon.begin(), polygon.end());
+        cv::polylines(bgr, corners, true, colour, 1, cv::LINE_AA);
+    };
+    const cv::Scalar good(80, 220, 80);
+    const cv::Scalar bad(60, 60, 230);
+    const double size = std::max(0.35, bgr.cols / 1600.0);
+    for (std::size_t i = 0; i < my.file.lanes.size(); ++i) {
+        const Lane &lane = my.file.lanes[i];
+        const bool told = i < record.lanes.size();
+        const cv::Scalar colour = told && record.lanes[i].valid ? good : bad;
+        if (!lane.zone_px.empty()) {
+            outline(lane.zone_px, colour);
+        }
+        cv::line(bgr, lane.from_px, lane.to_px, colour, 2, cv::LINE_AA);
+        std::string text = lane.name;
+        if (told) {
+            const LaneRecord &one = record.lanes[i];
+            text += " " + std::to_string(one.arrived_total);
+            text += one.present ? " (" + std::to_string(*one.present) + ")" : "";
+            text += one.valid ? "" : std::string(" ") + reason_name(one.reason);
+        }
+        const cv::Point where = cv::Point((lane.from_px + lane.to_px) / 2) - cv::Point(10, 5);
+        cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
+        cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
+    }
+    if (!my.file.junction_px.empty()) {
+        outline(my.file.junction_px, record.junction && record.junction->occupied ? bad : good);
+    }
+}
+
+} // namespace elmopp

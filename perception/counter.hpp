@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// The counter of one camera: frames in, records per lane out. No input, no output, no clock: time comes with the
+/// frames.
+///
+/// After each start and each cut of the scene it learns for three seconds; those frames are kept and counted
+/// afterwards, so that nothing of them is lost, only late. The same frames give the same records, bit for bit.
+///
+/// Owner: whoever reads the camera. Not thread-safe. Memory: about a hundred small patches while learning, otherwise
+/// bounded by lanes and zones.
+
+#pragma once
+
+#include "lanes.hpp"
+#include "record.hpp"
+#include "registration.hpp"
+#include "section.hpp"
+
+#include <opencv2/core.hpp>
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace elmopp {
+
+class Counter {
+  public:
+    explicit Counter(const LaneFile &file);
+    ~Counter();
+    Counter(const Counter &) = delete;
+    Counter &operator=(const Counter &) = delete;
+    Counter(Counter &&) = delete;
+    Counter &operator=(Counter &&) = delete;
+
+    /// A picture of the empty road, in the size of the lane file: nothing need be learnt. Before the first frame.
+    void reference(const cv::Mat &bgr);
+
+    /// The next frame, BGR with 8 bits each, taken at `t_s`. Times may jump; a step that is no step of a video is taken
+    /// for the usual one. An empty frame and one of another size count as none.
+    void feed(const cv::Mat &bgr, double t_s);
+
+    /// There is no picture at `t_s`.
+    void miss(double t_s);
+
+    /// The video is over: what is on the line ends.
+    void finish();
+
+    /// Crossings that have become known since the last call, with indices of the lane file.
+    std::vector<Crossing> take_crossings();
+
+    /// Closes a second: what has come since the last record, and what is there now.
+    Record record();
+
+    /// What is there now, without closing a second: inflow and occupancy go on.
+    [[nodiscard]] Record glance() const;
+
+    /// Draws lanes, zones, counts and flags on a frame of the same size.
+    void draw(cv::Mat &bgr, const Record &record) const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace elmopp

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "overlay.hpp"
+
+#include "error.hpp"
+
+#include <opencv2/imgcodecs.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace elmopp {
+namespace {
+
+std::string ending_of(const std::string &file) {
+    return std::filesystem::path(file).extension().string();
+}
+
+} // namespace
+
+Overlay::Overlay(std::string file) : file_(std::move(file)) {
+    const std::string ending = ending_of(file_);
+    video_ = ending == ".avi" || ending == ".mp4";
+    if (!video_ && ending != ".png" && ending != ".jpg") {
+        throw BadRequest("--overlay " + file_ + ": right would be a file that ends with .avi, .mp4, .png or .jpg");
+    }
+    const std::filesystem::path folder = std::filesystem::absolute(file_).parent_path();
+    if (!std::filesystem::is_directory(folder)) {
+        throw BadRequest("--overlay " + file_ + ": its folder is not there");
+    }
+}
+
+void Overlay::add(const cv::Mat &bgr, double t_s) {
+    if (!video_) {
+        last_ = bgr;
+        return;
+    }
+    if (!writer_.isOpened()) {
+        if (last_.empty()) { // the rate is known with the second frame
+            last_ = bgr;
+            before_s_ = t_s;
+            return;
+        }
+        constexpr double slowest = 1.0;
+        constexpr double fastest = 120.0;
+        const double rate = std::clamp(1.0 / std::max(1e-3, t_s - before_s_), slowest, fastest);
+        const int code = ending_of(file_) == ".avi" ? cv::VideoWriter::fourcc('M', 'J', 'P', 'G')
+                                                    : cv::VideoWriter::fourcc('m', 'p', '4', 'v');
+        if (!writer_.open(file_, code, rate, bgr.size())) {
+            throw Failure("--overlay " + file_ + ": cannot be written");
+        }
+        writer_.write(last_);
+    }
+    writer_.write(bgr);
+}
+
+void Overlay::finish() {
+    writer_.release();
+    if (!video_ && !last_.empty() && !cv::imwrite(file_, last_)) {
+        throw Failure("--overlay " + file_ + ": cannot be written");
+    }
+}
+
+} // namespace elmopp

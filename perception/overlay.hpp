@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Pictures with lanes, counts and flags drawn on them: a video, or the last one as a picture. By the file's ending.
+
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+
+#include <string>
+
+namespace elmopp {
+
+class Overlay {
+  public:
+    /// Throws BadRequest on an ending that is neither .avi, .mp4, .png nor .jpg, or a folder that is not there.
+    explicit Overlay(std::string file);
+
+    void add(const cv::Mat &bgr, double t_s);
+
+    /// Throws Failure if it could not be written.
+    void finish();
+
+  private:
+    std::string file_;
+    bool video_;
+    cv::VideoWriter writer_;
+    cv::Mat last_;
+    double before_s_ = 0.0;
+};
+
+} // namespace elmopp

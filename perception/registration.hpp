@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// Where the picture has moved to, and how much brighter it has become: what the whole camera does, so that the lanes
+/// need not take it for traffic.
+///
+/// Shift: small pieces of the picture outside of the lanes are looked for around the last shift; most of those that
+/// are found must agree. A shift that nobody agrees on is held, and says so. The first picture stays the anchor: pieces
+/// are taken anew only when most have gone, from where they are then, so that a long drift cannot run away.
+/// Gain: median change of the logarithm of grey from frame to frame, summed.
+///
+/// Owner: the counter. Not thread-safe.
+
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include <vector>
+
+namespace elmopp {
+
+class Registration {
+  public:
+    /// `traffic`: 255 where vehicles move, in the size of the picture.
+    explicit Registration(const cv::Mat &traffic);
+
+    struct Result {
+        cv::Point2d shift_px;   ///< of the content, since the anchor
+        double gain = 0.0;      ///< logarithm of the brightness, since the anchor
+        double gain_step = 0.0; ///< of this frame
+        double agreement = 0.0; ///< share of the pieces that agree on the shift
+        double change = 0.0;    ///< mean change of the picture without gain, 100 x log
+        bool sure = false;      ///< the shift is known
+    };
+
+    Result follow(const cv::Mat &bgr);
+
+    /// The present brightness is gain 0 from here on; returns what it was.
+    double rebase() {
+        const double gain = gain_;
+        gain_ = 0;
+        return gain;
+    }
+
+  private:
+    struct Piece {
+        cv::Point at;
+        cv::Mat look;
+    };
+
+    void capture(const cv::Mat &grey);
+    bool vote(const cv::Mat &grey, int reach, Result &result);
+    void renew_pieces(const cv::Mat &grey, const Result &result);
+    void follow_gain(const cv::Mat &grey, Result &result);
+
+    double scale_ = 1.0;
+    cv::Mat traffic_;
+    std::vector<Piece> pieces_;
+    cv::Point2d base_; ///< shift at which the pieces were taken, in small pixels
+    cv::Point2d last_; ///< shift in small pixels, since the anchor
+    cv::Mat before_;
+    cv::Mat factor_before_;
+    double gain_ = 0.0;
+    int astray_ = 0; ///< frames without agreement
+    int few_ = 0;    ///< frames in which few pieces agreed
+};
+
+} // namespace elmopp

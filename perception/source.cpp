@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "source.hpp"
+
+#include "error.hpp"
+
+#include <filesystem>
+
+namespace elmopp {
+namespace {
+
+bool begins_with(const std::string &text, const std::string &with) {
+    return text.compare(0, with.size(), with) == 0;
+}
+
+} // namespace
+
+void NewestFrame::put(Frame frame) {
+    {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        dropped_ += there_ ? 1 : 0;
+        frame_ = std::move(frame);
+        there_ = true;
+    }
+    came_.notify_one();
+}
+
+bool NewestFrame::take(Frame &frame, std::chrono::steady_clock::time_point until) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (!came_.wait_until(lock, until, [this] { return there_; })) {
+        return false;
+    }
+    frame = std::move(frame_);
+    there_ = false;
+    return true;
+}
+
+bool is_live(const std::string &source) {
+    for (const char *start : {"rtsp://", "rtsps://", "http://", "https://", "udp://", "gst:", "v4l2:", "/dev/video"}) {
+        if (begins_with(source, start)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+VideoFile::VideoFile(const std::string &file) {
+    if (!std::filesystem::is_regular_file(file)) {
+        throw BadRequest("--source " + file +
+                         ": no such file; right would be a video file, rtsp://, gst:PIPELINE, v4l2:N or /dev/video0");
+    }
+    if (!capture_.open(file, cv::CAP_FFMPEG)) {
+        throw BadRequest("--source " + file + ": is no video that FFmpeg can read");
+    }
+    rate_ = capture_.get(cv::CAP_PROP_FPS);
+    promised_ = static_cast<std::int64_t>(capture_.get(cv::CAP_PROP_FRAME_COUNT));
+}
+
+bool VideoFile::next(Frame &frame) {
+    constexpr double usual_rate = 25.0;
+    const double rate = rate_ > 0 ? rate_ : usual_rate;
+    if (!capture_.read(frame.bgr)) {
+        return false;
+    }
+    double t_s = capture_.get(cv::CAP_PROP_POS_MSEC) / 1000.0;
+    // Some containers have no times, or the same one twice.
+    if (!(t_s > last_s_) || (read_ > 1 && t_s <= 0)) {
+        t_s = last_s_ < 0 ? 0.0 : last_s_ + 1.0 / rate;
+    }
+    last_s_ = t_s;
+    ++read_;
+    frame.t_s = t_s;
+    return true;
+}
+
+LiveSource::LiveSource(std::string source)
+    : source_(std::move(source)), start_(std::chrono::steady_clock::now()), thread_([this] { run(); }) {}
+
+LiveSource::~LiveSource() {
+    stop_ = true;
+    thread_.join();
+}
+
+double LiveSource::now_s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+bool LiveSource::open(cv::VideoCapture &capture) const {
+    constexpr int patience_ms = 3000;
+    if (begins_with(source_, "gst:")) {
+        return capture.open(source_.substr(4), cv::CAP_GSTREAMER);
+    }
+    if (begins_with(source_, "v4l2:")) {
+        return capture.open("/dev/video" + source_.substr(5), cv::CAP_V4L2);
+    }
+    if (begins_with(source_, "/dev/video")) {
+        return capture.open(source_, cv::CAP_V4L2);
+    }
+    return capture.open(source_, cv::CAP_FFMPEG,
+                        {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, patience_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, patience_ms});
+}
+
+void LiveSource::run() {
+    constexpr std::chrono::milliseconds first_wait(500);
+    constexpr std::chrono::milliseconds longest_wait(4000);
+    constexpr std::chrono::milliseconds slice(50);
+    auto wait = first_wait;
+    while (!stop_) {
+        try {
+            cv::VideoCapture capture;
+            if (open(capture)) {
+                ++opened_;
+                Frame frame;
+                while (!stop_ && capture.read(frame.bgr)) {
+                    wait = first_wait;
+                    newest_.put({frame.bgr.clone(), now_s()});
+                }
+            }
+        } catch (const cv::Exception &) {
+            ++broken_; // a camera that answers nonsense is one that is not there
+        }
+        for (auto waited = slice; waited <= wait && !stop_; waited += slice) {
+            std::this_thread::sleep_for(slice);
+        }
+        wait = std::min(2 * wait, longest_wait);
+    }
+}
+
+} // namespace elmopp

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+#
+# The camera room's tests. They draw their own scenes; clips with counted truth are scored where a folder of them is named
+# by ELMOPP_CLIPS (option or environment).
+
+set(ELMOPP_CLIPS "$ENV{ELMOPP_CLIPS}" CACHE PATH "Folder of clips with counted truth, for the test camera_clips")
+
+add_library(camera_scene OBJECT perception/scene.cpp)
+target_include_directories(camera_scene PUBLIC perception)
+target_link_libraries(camera_scene PUBLIC elmopp_perception PRIVATE elmopp_flags)
+set_target_properties(camera_scene PROPERTIES INTERPROCEDURAL_OPTIMIZATION OFF)
+
+# Drawn traffic takes most of a minute: once under -Og, the counter also under the sanitizers. What the optimizer makes of the
+# same code is judged by the program's own tests.
+set(camera_tests test_camera_files)
+if(NOT CMAKE_INTERPROCEDURAL_OPTIMIZATION)
+    list(APPEND camera_tests test_counter)
+    if(depends_on_no_build)
+        list(APPEND camera_tests test_health)
+    endif()
+endif()
+foreach(name IN LISTS camera_tests)
+    elmopp_add_unity_test(NAME ${name}
+        SOURCES perception/${name}.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c $<TARGET_OBJECTS:camera_scene>
+        LIBS camera_scene elmopp_perception
+        LABELS unit camera
+        TIMEOUT 600)
+    elmopp_without_lto(${name})
+endforeach()
+
+add_executable(draw_scene perception/draw_scene.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c $<TARGET_OBJECTS:camera_scene>)
+set_target_properties(draw_scene PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
+target_link_libraries(draw_scene PRIVATE camera_scene elmopp_perception elmopp_flags)
+elmopp_without_lto(draw_scene)
+
+if(depends_on_no_build)
+    set(camera_environment
+        "ELMOPP_CAMERA=$<TARGET_FILE:elmopp-camera>;ELMOPP_DRAW_SCENE=$<TARGET_FILE:draw_scene>;ELMOPP_CLIPS=${ELMOPP_CLIPS}")
+    foreach(name IN ITEMS test_camera_program test_camera_rtsp test_count_scores)
+        elmopp_add_python_test(NAME ${name} COMMAND -m pytest -q tests/python/${name}.py LABELS camera TIMEOUT 300)
+        set_tests_properties(${name} PROPERTIES ENVIRONMENT "${camera_environment}")
+    endforeach()
+    elmopp_add_python_test(NAME camera_clips COMMAND tests/python/camera_clips.py LABELS camera TIMEOUT 300)
+    set_tests_properties(camera_clips PROPERTIES ENVIRONMENT "${camera_environment};PYTHONPATH=${PROJECT_SOURCE_DIR}/tools")
+endif()

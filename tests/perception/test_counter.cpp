@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+/// What the counter makes of drawn traffic, whose truth is known.
+
+#include "counter.hpp"
+#include "scene.hpp"
+
+#include <opencv2/imgproc.hpp>
+#include <unity.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace {
+
+using elmopp::Counter;
+using elmopp::Direction;
+using elmopp::Record;
+using elmopp::Scene;
+using elmopp::SceneCar;
+using elmopp::SceneFlow;
+
+const cv::Size picture(352, 264);
+constexpr double rate = 25.0;
+constexpr double line_m = 14.0;
+constexpr int lane_count = 3;
+
+using Change = std::function<void(cv::Mat &, int)>;
+
+/// Counts of a flow, filmed in this scene, changed frame by frame; frames for which `skip` is true never come.
+std::vector<int> counts_of(Scene &scene, const SceneFlow &flow, double seconds, const Change &change = nullptr,
+                           const std::function<bool(int)> &skip = nullptr, Direction direction = Direction::down) {
+    Counter counter(scene.lanes(line_m, 0, direction));
+    for (int i = 0; i < static_cast<int>(seconds * rate); ++i) {
+        cv::Mat frame = scene.draw(flow.at(i / rate));
+        if (change) {
+            change(frame, i);
+        }
+        if (!skip || !skip(i)) {
+            counter.feed(frame, i / rate);
+        }
+    }
+    counter.finish();
+    std::vector<int> totals;
+    for (const auto &lane : counter.record().lanes) {
+        totals.push_back(static_cast<int>(lane.arrived_total));
+    }
+    return totals;
+}
+
+/// At most `wrong` vehicles too many or too few in all lanes together.
+void expect_counts(const SceneFlow &flow, double seconds, const std::vector<int> &counted, int wrong,
+                   const char *what) {
+    int difference = 0;
+    std::string text = what;
+    for (int lane = 0; lane < lane_count; ++lane) {
+        const int truth = flow.crossed(lane, seconds);
+        difference += std::abs(truth - counted[static_cast<std::size_t>(lane)]);
+        text += " " + std::to_string(counted[static_cast<std::size_t>(lane)]) + "/" + std::to_string(truth);
+    }
+    TEST_ASSERT_TRUE_MESSAGE(difference <= wrong, text.c_str());
+}
+
+constexpr double flow_s = 24.0;
+
+SceneFlow some_flow() {
+    return SceneFlow::random(lane_count, flow_s, 1.4, 7);
+}
+
+void each_vehicle_is_counted_once_in_its_lane() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    expect_counts(flow, flow_s, counts_of(scene, flow, flow_s), 1, "day");
+}
+
+void hard_shadows_do_not_count() {
+    Scene scene(picture, lane_count, 1);
+    scene.shadows = true;
+    const SceneFlow flow = some_flow();
+    expect_counts(flow, flow_s, counts_of(scene, flow, flow_s), 2, "shadows");
+}
+
+void headlights_and_their_cones_are_no_vehicles_of_their_own() {
+    Scene scene(picture, lane_count, 1);
+    scene.night = true;
+    scene.noise = 3;
+    const SceneFlow flow = some_flow();
+    expect_counts(flow, flow_s, counts_of(scene, flow, flow_s), 3, "night");
+}
+
+void shaking_by_three_pixels_changes_nothing() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    cv::RNG random(3);
+    const auto shake = [&random](cv::Mat &frame, int) {
+        const cv::Matx23d move(1, 0, random.uniform(-3.0, 3.0), 0, 1, random.uniform(-3.0, 3.0));
+        cv::warpAffine(frame, frame, move, frame.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    };
+    expect_counts(flow, flow_s, counts_of(scene, flow, flow_s, shake), 2, "shaken");
+}
+
+void dusk_and_dawn_change_nothing() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    const auto light = [](cv::Mat &frame, int i) { frame.convertTo(frame, -1, 0.65 - 0.35 * std::sin(i / 80.0)); };
+    expect_counts(flow, flow_s, counts_of(scene, flow, flow_s, light), 2, "light");
+}
+
+void every_other_frame_is_enough() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    expect_counts(flow, flow_s, counts_of(scene, flow, flow_s, nullptr, [](int i) { return i % 2 != 0; }), 2, "half");
+}
+
+void a_third_of_the_frames_may_be_lost() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    cv::RNG random(5);
+    const auto lost = [&random](int) { return random.uniform(0.0, 1.0) < 0.3; };
+    expect_counts(flow, flow_s, counts_of(scene, flow, flow_s, nullptr, lost), 2, "drops");
+}
+
+void vehicles_against_the_direction_do_not_count() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    const std::vector<int> counted = counts_of(scene, flow, flow_s, nullptr, nullptr, Direction::up);
+    int all = 0;
+    for (const int count : counted) {
+        all += count;
+    }
+    TEST_ASSERT_LESS_OR_EQUAL_INT(3, all); // of 30
+}
+
+/// One vehicle that stops on the line and rocks there by five pixels for 1000 frames.
+void a_vehicle_that_rocks_on_the_line_is_one() {
+    Scene scene(picture, lane_count, 1);
+    Counter counter(scene.lanes(line_m, 0, Direction::down));
+    for (int i = 0; i < 1300; ++i) {
+        const double t_s = i / rate;
+        SceneCar car;
+        car.lane = 1;
+        const double rock_m = i % 2 == 0 ? 0.0 : 0.25; // five pixels there
+        car.at_m = t_s < 46 ? std::max(line_m - 2.0, line_m + 40 - 8 * (t_s - 1)) + (t_s > 7 ? rock_m : 0.0)
+                            : line_m - 2.0 - 8 * (t_s - 46);
+        counter.feed(scene.draw({car}), t_s);
+    }
+    counter.finish();
+    const Record record = counter.record();
+    TEST_ASSERT_LESS_OR_EQUAL_INT64(1, record.lanes[1].arrived_total);
+    TEST_ASSERT_EQUAL_INT64(0, record.lanes[0].arrived_total);
+    TEST_ASSERT_EQUAL_INT64(0, record.lanes[2].arrived_total);
+}
+
+std::vector<SceneCar> queue(const std::vector<int> &lengths) {
+    std::vector<SceneCar> cars;
+    for (std::size_t lane = 0; lane < lengths.size(); ++lane) {
+        for (int k = 0; k < lengths[lane]; ++k) {
+            SceneCar car;
+            car.lane = static_cast<int>(lane);
+            car.at_m = line_m + 0.5 + 7.0 * k;
+            car.paint = cv::Scalar((40 + 70 * k) % 255, (90 + 50 * static_cast<int>(lane)) % 255, (180 + 33 * k) % 255);
+            cars.push_back(car);
+        }
+    }
+    return cars;
+}
+
+void a_queue_that_builds_up_is_kept_for_90_seconds() {
+    Scene scene(picture, lane_count, 1);
+    Counter counter(scene.lanes(line_m, 45, Direction::down));
+    const std::vector<SceneCar> standing = queue({4, 3, 2});
+    constexpr double slow_rate = 10.0;
+    double wrong = 0;
+    int looks = 0;
+    for (int i = 0; i < 120 * static_cast<int>(slow_rate); ++i) {
+        const double t_s = i / slow_rate;
+        std::vector<SceneCar> cars = standing;
+        for (SceneCar &car : cars) { // arrives at 9 m/s and stops where it stands
+            const double there_s = 5 + 0.8 * (car.at_m - line_m) + car.lane;
+            car.at_m += std::max(0.0, 9.0 * (there_s - t_s));
+        }
+        counter.feed(scene.draw(cars), t_s);
+        if (i % 10 == 9 && t_s > 28) {
+            const Record record = counter.record();
+            const int present = *record.lanes[0].present + *record.lanes[1].present + *record.lanes[2].present;
+            wrong += std::abs(present - 9);
+            ++looks;
+            TEST_ASSERT_GREATER_OR_EQUAL_INT(8, present); // nine tenths, all the time
+            TEST_ASSERT_TRUE(record.lanes[0].valid);
+        }
+    }
+    TEST_ASSERT_TRUE_MESSAGE(wrong / looks <= 1.5, std::to_string(wrong / looks).c_str());
+    TEST_ASSERT_EQUAL_INT64(0, counter.record().lanes[0].arrived_total);
+}
+
+void a_start_with_a_queue_is_said_and_counted_all_the_same() {
+    Scene scene(picture, lane_count, 1);
+    Counter counter(scene.lanes(line_m, 45, Direction::down));
+    for (int i = 0; i < 150; ++i) {
+        counter.feed(scene.draw(queue({3, 2, 0})), i / rate);
+    }
+    const Record record = counter.record();
+    TEST_ASSERT_FALSE(record.lanes[0].valid);
+    TEST_ASSERT_EQUAL_INT(static_cast<int>(elmopp::Reason::learning), static_cast<int>(record.lanes[0].reason));
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(4, *record.lanes[0].present + *record.lanes[1].present);
+    TEST_ASSERT_EQUAL_INT(0, *record.lanes[2].present);
+}
+
+void an_empty_road_is_empty_and_valid() {
+    Scene scene(picture, lane_count, 1);
+    Counter counter(scene.lanes(line_m, 45, Direction::down));
+    for (int i = 0; i < 150; ++i) {
+        counter.feed(scene.draw({}), i / rate);
+    }
+    for (const auto &lane : counter.record().lanes) {
+        TEST_ASSERT_TRUE(lane.valid);
+        TEST_ASSERT_EQUAL_INT(0, *lane.present);
+        TEST_ASSERT_EQUAL_INT64(0, lane.arrived_total);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, lane.occupancy);
+    }
+}
+
+void a_reference_picture_spares_the_learning() {
+    Scene scene(picture, lane_count, 1);
+    Counter counter(scene.lanes(line_m, 45, Direction::down));
+    counter.reference(scene.draw({}));
+    for (int i = 0; i < 50; ++i) {
+        counter.feed(scene.draw(queue({3, 2, 0})), i / rate);
+    }
+    const Record record = counter.record();
+    TEST_ASSERT_TRUE(record.lanes[0].valid);
+    TEST_ASSERT_INT_WITHIN(1, 5, *record.lanes[0].present + *record.lanes[1].present + *record.lanes[2].present);
+}
+
+void a_vehicle_inside_the_junction_is_said_and_nothing_else_is() {
+    Scene scene(picture, lane_count, 1);
+    elmopp::LaneFile file = scene.lanes(30, 0, Direction::down);
+    file.junction_px = {scene.place(-5, 18, 0), scene.place(5, 18, 0), scene.place(5, 12, 0), scene.place(-5, 12, 0)};
+    Counter counter(file);
+    const auto film = [&](double from_s, double to_s, const std::vector<SceneCar> &cars) {
+        for (int i = static_cast<int>(from_s * rate); i < static_cast<int>(to_s * rate); ++i) {
+            counter.feed(scene.draw(cars), i / rate);
+        }
+        return *counter.record().junction;
+    };
+    TEST_ASSERT_FALSE(film(0, 1, {}).valid);
+    const auto free = film(1, 5, {});
+    TEST_ASSERT_TRUE(free.valid);
+    TEST_ASSERT_FALSE(free.occupied);
+    SceneCar car;
+    car.lane = 1;
+    car.at_m = 13;
+    TEST_ASSERT_TRUE(film(5, 6, {car}).occupied);
+    TEST_ASSERT_TRUE(film(6, 40, {car}).occupied);
+    TEST_ASSERT_FALSE(film(40, 42, {}).occupied);
+}
+
+void totals_are_the_sum_of_inflows_and_never_decrease() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    Counter counter(scene.lanes(line_m, 0, Direction::down));
+    std::vector<std::int64_t> sums(lane_count, 0);
+    for (int i = 0; i < static_cast<int>(flow_s * rate); ++i) {
+        counter.feed(scene.draw(flow.at(i / rate)), i / rate);
+        if (i % 25 == 24) {
+            const Record record = counter.record();
+            for (std::size_t lane = 0; lane < lane_count; ++lane) {
+                TEST_ASSERT_GREATER_OR_EQUAL_INT64(0, record.lanes[lane].inflow);
+                sums[lane] += record.lanes[lane].inflow;
+                TEST_ASSERT_EQUAL_INT64(sums[lane], record.lanes[lane].arrived_total);
+            }
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT64(0, sums[0]);
+}
+
+} // namespace
+
+void setUp() {
+    cv::setNumThreads(1);
+}
+
+void tearDown() {}
+
+int main() {
+    UNITY_BEGIN();
+    RUN_TEST(each_vehicle_is_counted_once_in_its_lane);
+    RUN_TEST(hard_shadows_do_not_count);
+    RUN_TEST(headlights_and_their_cones_are_no_vehicles_of_their_own);
+    RUN_TEST(shaking_by_three_pixels_changes_nothing);
+    RUN_TEST(dusk_and_dawn_change_nothing);
+    RUN_TEST(every_other_frame_is_enough);
+    RUN_TEST(a_third_of_the_frames_may_be_lost);
+    RUN_TEST(vehicles_against_the_direction_do_not_count);
+    RUN_TEST(a_vehicle_that_rocks_on_the_line_is_one);
+    RUN_TEST(a_queue_that_builds_up_is_kept_for_90_seconds);
+    RUN_TEST(a_start_with_a_queue_is_said_and_counted_all_the_same);
+    RUN_TEST(an_empty_road_is_empty_and_valid);
+    RUN_TEST(a_reference_picture_spares_the_learning);
+    RUN_TEST(a_vehicle_inside_the_junction_is_said_and_nothing_else_is);
+    RUN_TEST(totals_are_the_sum_of_inflows_and_never_decrease);
+    return UNITY_END();
+}

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+
+"""Runs elmopp-camera over clips with counted truth and scores it.
+
+One set of defaults for all clips; the lane files come from the truth files.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+from elmopp_tools.count_scores import Event, pooled, presence_error, score_crossings, wrong_events
+
+EXIT_DONE = 0
+EXIT_FAILED = 1
+EXIT_REFUSED = 2
+
+ROOT = Path(__file__).resolve().parents[2]
+FORMAT = "lane-count-truth/1"
+NO_FLAGS = frozenset({"ok", "learning"})
+
+DESCRIPTION = """\
+Scores the camera counter on clips whose vehicles were counted by eye (truth files lane-count-truth/1, one beside each
+video): count error, lane error and F1 of the crossings, error of the vehicles present, flags, speed and memory."""
+
+EPILOG = """\
+Exit codes: 0 done; 1 the counter failed on a clip; 2 the request cannot be run.
+
+Examples:
+  tools/score-counter --clips clips --json scores.json        every clip of a folder
+  tools/score-counter --write-lanes clips/a.json a.lanes.json the lane file of one"""
+
+
+class RequestError(Exception):
+    """It cannot be run; the text says what is wrong and what would be right."""
+
+
+class ScoreFailedError(Exception):
+    """The counter ended badly."""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(EXIT_REFUSED, f"score-counter: {message} (score-counter --help)\n")
+
+
+def read_truth(file: Path) -> dict[str, Any]:
+    """A truth file; RequestError if it is none."""
+    try:
+        truth = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise RequestError(f"{file}: cannot be read as JSON: {error}") from None
+    if not isinstance(truth, dict) or truth.get("format") != FORMAT:
+        raise RequestError(f"{file}: is no truth file; right would be format {FORMAT}")
+    for key in ("video", "width", "height", "lanes", "crossings", "count_from", "count_to", "total", "totals"):
+        if key not in truth:
+            raise RequestError(f"{file}: {key} is missing")
+    return truth
+
+
+def lanes_of(truth: Mapping[str, Any]) -> dict[str, Any]:
+    """The lane file of a clip: geometry and nothing else."""
+    keys = ("name", "line", "direction", "zone", "mask")
+    lanes = [{key: lane[key] for key in keys if key in lane} for lane in truth["lanes"]]
+    return {"width": truth["width"], "height": truth["height"], "lanes": lanes}
+
+
+def camera_program(given: str | None) -> Path:
+    """The program to score: the one that was asked for, or the best that was built."""
+    if given:
+        if not os.access(given, os.X_OK):
+            raise RequestError(f"--camera {given}: is no program; right would be a built elmopp-camera")
+        return Path(given)
+    places = [ROOT / "build" / preset / "bin" / "elmopp-camera" for preset in ("release", "host")]
+    for place in places:
+        if os.access(place, os.X_OK):
+            return place
+    raise RequestError("elmopp-camera is not built; run: cmake --preset release && cmake --build --preset release")
+
+
+def json_lines(file: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
+
+
+def run_camera(program: Path, video: Path, truth: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """What the program says of a video: crossings, records, timing."""
+    lanes = folder / "lanes.json"
+    lanes.write_text(json.dumps(lanes_of(truth)), encoding="utf-8")
+    files = {name: folder / f"{name}.jsonl" for name in ("crossings", "jsonl", "timing")}
+    command = [str(program), "--source", str(video), "--lanes", str(lanes)]
+    for name, file in files.items():
+        command += [f"--{name}", str(file)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise ScoreFailedError(f"{program}: cannot be run: {error.strerror}") from None
+    if done.returncode != 0:
+        raise ScoreFailedError(f"{video}: elmopp-camera ended with {done.returncode}: {done.stderr.strip()}")
+    return {name: json_lines(file) for name, file in files.items()}
+
+
+def score_clip(truth: Mapping[str, Any], said: Mapping[str, Any]) -> tuple[dict[str, Any], Any]:
+    """One clip's entry of the report, and its sums for the pool."""
+    events = [Event(c["frame"], c["lane"]) for c in said["crossings"]]
+    counted = score_crossings(truth, events)
+    present = [(r["frame"], {name: lane["present"] for name, lane in r["lanes"].items()}) for r in said["jsonl"]]
+    reasons = {lane["reason"] for r in said["jsonl"] for lane in r["lanes"].values()}
+    timing = said["timing"][0]
+    entry = {
+        "truth": counted.truth,
+        "counted": counted.counted,
+        "count_error": counted.count_error,
+        "lane_error": counted.lane_error,
+        "f1": counted.f1,
+        "wrong_events": counted.wrong_events,
+        "presence_error": presence_error(truth, present),
+        "learning": "learning" in reasons,
+        "flags": sorted(reasons - NO_FLAGS),
+        "fps": round(timing["frames"] / timing["cpu_s"], 1) if timing["cpu_s"] > 0 else None,
+        "p99_ms": round(timing["p99_ms"], 3),
+        "rss_mb": round(timing["rss_mb"], 1),
+    }
+    return entry, counted
+
+
+def score_folder(program: Path, clips: Path, verbose: bool) -> dict[str, Any]:
+    if not clips.is_dir():
+        raise RequestError(f"--clips {clips}: is no folder; right would be one with videos and truth files")
+    report: dict[str, Any] = {"clips": {}}
+    sums = []
+    for file in sorted(clips.glob("*.json")):
+        truth = read_truth(file)
+        video = clips / truth["video"]
+        if not video.is_file():
+            raise RequestError(f"{file}: its video {video} is not there")
+        with tempfile.TemporaryDirectory() as folder:
+            said = run_camera(program, video, truth, Path(folder))
+        report["clips"][file.stem], counted = score_clip(truth, said)
+        sums.append(counted)
+        if verbose:
+            missed, false = wrong_events(truth, [Event(c["frame"], c["lane"]) for c in said["crossings"]])
+            for word, wrong in (("missed", missed), ("false", false)):
+                print(f"{file.stem}: {word} {' '.join(f'{e.frame}:{e.lane}' for e in wrong) or 'none'}")
+    if not sums:
+        raise RequestError(f"--clips {clips}: holds no truth file (*.json)")
+    report["pooled"] = pooled(sums)
+    return report
+
+
+def table_of(report: Mapping[str, Any]) -> str:
+    """The report as lines for a person."""
+
+    def share(value: float | None) -> str:
+        return "    -" if value is None else f"{100 * value:4.1f}%"
+
+    rows = [f"{'clip':<24} truth counted count  lane   F1    wrong present fps   flags"]
+    for name, c in report["clips"].items():
+        f1 = "  -  " if c["f1"] is None else f"{c['f1']:.3f}"
+        present = "  -  " if c["presence_error"] is None else f"{c['presence_error']:5.2f}"
+        flags = ",".join(c["flags"] + (["learning"] if c["learning"] else []))
+        rows.append(
+            f"{name:<24} {c['truth']:5d} {c['counted']:7d} {share(c['count_error'])} {share(c['lane_error'])} {f1} "
+            f"{c['wrong_events']:5d} {present} {c['fps'] or 0:5.0f}  {flags}"
+        )
+    p = report["pooled"]
+    f1 = "-" if p["f1"] is None else f"{p['f1']:.3f}"
+    rows.append(f"pooled: count {share(p['count_error'])}, lane {share(p['lane_error'])}, F1 {f1}")
+    return "\n".join(rows)
+
+
+def write_json(file: Path, content: Mapping[str, Any]) -> None:
+    """Whole or not at all."""
+    draft = file.with_name(file.name + ".part")
+    try:
+        draft.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+        draft.replace(file)
+    except OSError as error:
+        raise RequestError(f"{file}: cannot be written: {error.strerror}") from None
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = _Parser(
+        prog="score-counter",
+        description=DESCRIPTION,
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--clips", metavar="DIR", help="folder with videos and truth files")
+    parser.add_argument("--json", metavar="FILE", help="the report, shares and not percent")
+    parser.add_argument(
+        "--write-lanes", nargs=2, metavar=("TRUTH", "FILE"), help="writes the lane file of a truth file"
+    )
+    parser.add_argument("--camera", metavar="PROGRAM", help="elmopp-camera to score; default: the one that was built")
+    parser.add_argument("--events", action="store_true", help="also print the crossings that are missed or false")
+    request = parser.parse_args(arguments)
+    try:
+        if request.write_lanes:
+            write_json(Path(request.write_lanes[1]), lanes_of(read_truth(Path(request.write_lanes[0]))))
+            return EXIT_DONE
+        if not request.clips or not request.json:
+            raise RequestError("--clips DIR and --json FILE are needed, or --write-lanes TRUTH FILE")
+        report = score_folder(camera_program(request.camera), Path(request.clips), request.events)
+        write_json(Path(request.json), report)
+        print(table_of(report))
+    except RequestError as error:
+        print(f"score-counter: {error}", file=sys.stderr)
+        return EXIT_REFUSED
+    except ScoreFailedError as error:
+        print(f"score-counter: {error}", file=sys.stderr)
+        return EXIT_FAILED
+    return EXIT_DONE
