@@ -166,7 +166,7 @@ static elmopp_stage_t best_of_others(elmopp_rollout_t *self, elmopp_stage_t show
         const float doubt = (kept != NULL) ? doubt_of(self, kept, &changed) : 0.0F;
         score[other] = -(mean_of(self, &changed) + doubt);
         best = ((best == ELMOPP_STAGE_NONE) || (score[other] > score[best])) ? other : best;
-        tried |= 1UL << other;
+        tried |= (uint32_t)1U << other;
         other = next_other(self, shown, tried);
     }
     return (best == ELMOPP_STAGE_NONE) ? shown : best;

@@ -86,7 +86,7 @@ typedef struct {
     float share[ELMOPP_MOVEMENT_MAX];
     float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second
     elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];
-    elmopp_gcn_f32_graph_t graph;               ///< of the approaches
+    elmopp_gcn_f32_graph_t graph; ///< of the approaches
     elmopp_account_t account;
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
 } elmopp_forecast_t;
