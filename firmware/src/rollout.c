@@ -34,6 +34,9 @@ typedef struct {
 } costs_t;
 
 static void play(elmopp_rollout_t *self, elmopp_stage_t first, uint16_t hold_s, costs_t *costs) {
+    for (uint32_t r = 0U; r < ELMOPP_ROLLOUT_RULE_MAX; r++) {
+        costs->veh_s[r] = 0.0F;
+    }
     for (uint32_t r = 0U; r < self->options.rule_count; r++) {
         const elmopp_future_action_t action = {.first = first, .hold_s = hold_s, .ratio = self->options.ratio[r]};
         costs->veh_s[r] = elmopp_future_cost(&self->future, &action);
