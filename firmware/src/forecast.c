@@ -36,9 +36,12 @@ static void update_shares(elmopp_forecast_t *self) {
     }
 }
 
+static bool is_recurrent(uint8_t kind) {
+    return (kind == (uint8_t)ELMOPP_FORECAST_LSTM) || (kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
+}
+
 bool elmopp_forecast_is_network(uint8_t kind) {
-    return (kind == (uint8_t)ELMOPP_FORECAST_LSTM) || (kind == (uint8_t)ELMOPP_FORECAST_NLSTM) ||
-           (kind == (uint8_t)ELMOPP_FORECAST_ANN) || (kind == (uint8_t)ELMOPP_FORECAST_GCN);
+    return is_recurrent(kind) || (kind == (uint8_t)ELMOPP_FORECAST_ANN) || (kind == (uint8_t)ELMOPP_FORECAST_GCN);
 }
 
 bool elmopp_forecast_fits(uint8_t kind, const elmopp_weights_t *weights) {
@@ -96,18 +99,8 @@ static float scale_of(const elmopp_forecast_t *self, uint32_t approach) {
     return (self->config.mean_veh_per_s != NULL) ? self->config.mean_veh_per_s[approach] : self->mean_veh[approach];
 }
 
-static float held_in(float value, float low, float high) {
-    const float bounded = (value > low) ? value : low;
-    return (bounded < high) ? bounded : high;
-}
-
 static uint32_t group_count(const elmopp_forecast_t *self) {
     return (self->junction->approach_count + ELMOPP_FORECAST_GROUP_SIZE - 1U) / ELMOPP_FORECAST_GROUP_SIZE;
-}
-
-static bool is_recurrent(const elmopp_forecast_t *self) {
-    return (self->config.kind == (uint8_t)ELMOPP_FORECAST_LSTM) ||
-           (self->config.kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
 }
 
 /* A recurrent network sees one second. Inputs without an approach, or without any demand, are 0. */
@@ -119,7 +112,7 @@ static void remember(elmopp_forecast_t *self) {
             const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
             const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
             if (scale_veh > 0.0F) {
-                input[k] = held_in(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
+                input[k] = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
             }
         }
         elmopp_lstm_f32_step(&weights->lstm, &self->memory[group], input);
@@ -143,7 +136,7 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
     }
     update_shares(self);
     elmopp_account_settle(&self->account, came_veh, self->junction->approach_count);
-    if (self->armed && is_recurrent(self)) {
+    if (self->armed && is_recurrent(self->config.kind)) {
         remember(self);
     }
 }
@@ -193,7 +186,7 @@ static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_lst
         for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
             const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
             if (approach < self->junction->approach_count) {
-                next[k] = held_in(next[k], weights->low[k], weights->high[k]);
+                next[k] = elmopp_within(next[k], weights->low[k], weights->high[k]);
                 self->row_veh[approach][t] = next[k] * scale_of(self, approach);
             } else {
                 next[k] = 0.0F;
@@ -209,8 +202,9 @@ static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_lst
 static float held_for(const elmopp_forecast_t *self, uint32_t approach, float value) {
     const elmopp_weights_t *weights = self->config.weights;
     const uint32_t k = approach % ELMOPP_FORECAST_GROUP_SIZE;
-    return (self->config.kind == (uint8_t)ELMOPP_FORECAST_GCN) ? held_in(value, weights->ar8.low, weights->ar8.high)
-                                                               : held_in(value, weights->low[k], weights->high[k]);
+    return (self->config.kind == (uint8_t)ELMOPP_FORECAST_GCN)
+               ? elmopp_within(value, weights->ar8.low, weights->ar8.high)
+               : elmopp_within(value, weights->low[k], weights->high[k]);
 }
 
 /* The windows of all approaches, oldest second first. Those without an approach, or without any demand, are 0. */
@@ -290,12 +284,12 @@ static void fill_with_mean(elmopp_forecast_t *self, uint32_t steps) {
 static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
     if (elmopp_forecast_status(self) != ELMOPP_FORECAST_READY) {
         fill_with_mean(self, steps);
-    } else if (elmopp_forecast_is_network(self->config.kind) && (!is_recurrent(self))) {
-        fill_from_windows(self, steps);
-    } else if (is_recurrent(self)) {
+    } else if (is_recurrent(self->config.kind)) {
         for (uint32_t group = 0U; group < group_count(self); group++) {
             fill_from_memory(self, group, self->memory[group], steps);
         }
+    } else if (elmopp_forecast_is_network(self->config.kind)) {
+        fill_from_windows(self, steps);
     } else {
         for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
             fill_by_approach(self, i, steps);
