@@ -18,7 +18,8 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from emulator import ANSWER_S, COMMAND, IMAGE, LAMP_COMMAND, ROOT, Bus, Emulator
+from bus_frames import COMMAND, LAMP_COMMAND
+from emulator import ANSWER_S, IMAGE, ROOT, Bus, Emulator
 from images import site_image, tool, with_flipped_bit
 
 STEADY = "fixed_time"

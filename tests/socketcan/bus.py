@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 
-"""A bus, and the programs on it, for the tests beside this file. Standard library only: quick to start in an emulator.
+"""A bus, and the programs on it, for the tests beside this file.
 
-Frames are taken apart by hand, after firmware/can/elmopp.dbc and apart from the generated codec.
+Standard library only: quick to start in an emulator.
 """
 
 import contextlib
@@ -20,6 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
+from bus_frames import COMMAND, STATUS, Frame, sealed
+
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(os.environ["ELMOPP_PROGRAMS"])
 SITE = os.environ["ELMOPP_QUICK_SITE"]
@@ -27,58 +29,15 @@ LOCKSTEP_SITES = os.environ.get("ELMOPP_LOCKSTEP_SITES", SITE).split(":")
 SLICE_MS = Path("/proc/sys/kernel/sched_rr_timeslice_ms")
 OUT = Path(os.environ["ELMOPP_SOCKETCAN_OUT"])
 
-LAMP_COMMAND, LAMP_FEEDBACK, COUNTS, STATUS, COMMAND = 0x080, 0x090, 0x100, 0x180, 0x200
-MODES = ["starting", "start_flash", "start_red", "first_stage", "automatic", "fixed_time", "manual", "all_red"]
-MODES += ["flashing", "dark", "fail_safe"]
-FAULTS = {0: "none", 11: "feedback_differs", 12: "feedback_lost", 16: "lamp_node", 20: "clock", 21: "second_controller"}
 RUN, PREPARE, CONFIRM = 2, 8, 9
 FRAME = struct.Struct("=IB3x8s")
 
 
-def crc8(data: bytes) -> int:
-    """CRC-8 SAE J1850."""
-    rest = 0xFF
-    for byte in data:
-        rest ^= byte
-        for _ in range(8):
-            rest = ((rest << 1) ^ 0x1D if rest & 0x80 else rest << 1) & 0xFF
-    return rest ^ 0xFF
-
-
-def sealed(frame_id: int, counter: int, payload: int = 0) -> bytes:
-    """Eight bytes with counter, payload from bit 4 on, and checksum."""
-    body = (counter | payload << 4).to_bytes(7, "little")
-    return body + bytes([crc8(frame_id.to_bytes(2, "little") + body)])
-
-
-def bits(data: bytes, first: int, count: int) -> int:
-    """A little-endian signal."""
-    return int.from_bytes(data, "little") >> first & ((1 << count) - 1)
-
-
 @dataclass
-class Heard:
+class Heard(Frame):
     """A frame, and when it came."""
 
-    id: int
-    data: bytes
     at_s: float
-
-    @property
-    def aspects(self) -> list[int]:
-        """Of a LampCommand."""
-        return [bits(self.data, 8 + 3 * g, 3) for g in range(16)]
-
-    @property
-    def mode(self) -> str:
-        """Of a ControllerStatus."""
-        return MODES[bits(self.data, 4, 4)]
-
-    @property
-    def fault(self) -> str:
-        """Of a ControllerStatus."""
-        code = bits(self.data, 26, 6)
-        return FAULTS.get(code, str(code))
 
 
 class Bus:

@@ -17,7 +17,8 @@ import subprocess
 import time
 from collections.abc import Iterator
 
-from bus import COUNTS, LAMP_COMMAND, STATUS, Bus, Heard, controller, interface, lamp_node
+from bus import Bus, Heard, controller, interface, lamp_node
+from bus_frames import COUNTS, LAMP_COMMAND, STATUS
 from latency import ages_ms, changes_s, gaps_ms, quantiles
 
 FORECAST = 0x190  # the first of a decision's

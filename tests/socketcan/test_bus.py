@@ -19,17 +19,13 @@ from pathlib import Path
 
 import pytest
 from bus import (
-    COMMAND,
     CONFIRM,
-    LAMP_COMMAND,
-    LAMP_FEEDBACK,
     LOCKSTEP_SITES,
     OUT,
     PREPARE,
     PROGRAMS,
     ROOT,
     SITE,
-    STATUS,
     Bus,
     Program,
     controller,
@@ -37,8 +33,8 @@ from bus import (
     ip,
     lamp_node,
     refused,
-    sealed,
 )
+from bus_frames import COMMAND, LAMP_COMMAND, LAMP_FEEDBACK, STATUS, sealed
 
 STEADY = "fixed_time"
 BUS_OFF, RESTARTED, CONTROLLER = 0x40, 0x100, 0x04

@@ -16,7 +16,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from bus import LAMP_COMMAND, LAMP_FEEDBACK, OUT, PROGRAMS, ROOT, SITE, Bus, ip, lamp_node
+from bus import OUT, PROGRAMS, ROOT, SITE, Bus, ip, lamp_node
+from bus_frames import LAMP_COMMAND, LAMP_FEEDBACK
 
 IMAGE = os.environ["ELMOPP_MPS2"]
 NAME = "slcan0"
