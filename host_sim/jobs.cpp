@@ -114,8 +114,12 @@ void catch_interrupts() {
     (void)std::signal(SIGTERM, remember_interrupt);
 }
 
+bool interrupt_has_come() {
+    return interrupted;
+}
+
 void check_interrupt() {
-    if (interrupted) {
+    if (interrupt_has_come()) {
         throw Failure("interrupted; nothing was written");
     }
 }

@@ -21,4 +21,7 @@ void catch_interrupts();
 /// Throws Failure if an interrupt has come. Called between jobs and once a simulated second.
 void check_interrupt();
 
+/// True if one has come: for a program that ends by it.
+bool interrupt_has_come();
+
 } // namespace elmopp

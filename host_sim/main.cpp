@@ -13,6 +13,7 @@
 #include "road_network_trial.hpp"
 #include "run.hpp"
 #include "scenario.hpp"
+#include "serve.hpp"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -132,6 +133,10 @@ struct Texts {
     std::string points{"10000"};
     std::string csv;
     std::string json;
+    std::string port{std::to_string(usual_port)};
+    std::string speed{"1"};
+    bool paused = false;
+    bool straight = false;
     std::vector<std::string> weight_files;
     bool full = false;
     bool no_figures = false;
@@ -410,6 +415,49 @@ void add_accuracy(CLI::App &app, Texts &texts) {
     });
 }
 
+double speed_of(const std::string &text) {
+    double speed = 0.0;
+    if (!parse_number(text, speed) || !(speed >= lowest_speed && speed <= highest_speed)) {
+        throw BadRequest("--speed \"" + text + "\": right would be a number from " + format_number(lowest_speed, 6) +
+                         " to " + format_number(highest_speed, 6));
+    }
+    return speed;
+}
+
+void add_serve(CLI::App &app, Texts &texts) {
+    auto *command = app.add_subcommand(
+        "serve",
+        "A junction that runs on and on, in a browser of this machine: profile saturation, the whole controller");
+    const auto option = [command](const char *name, std::string &text, const char *type, const std::string &what) {
+        return command->add_option(name, text, what)->type_name(type);
+    };
+    option("--site", texts.site, "FILE", "The junction, .toml or .bin (default: four_way)");
+    option("--chooser", texts.chooser, "NAME",
+           "Chooser NAME[@OPTION=VALUE][:FORECAST] (default: the site's; without --site cumulative:lstm)");
+    option("--vehicles", texts.vehicles, "N",
+           "Vehicles an approach in 2000 s, until somebody changes it (default: 600)");
+    option("--seed", texts.seed, "N", "Seed of the initial conditions")->capture_default_str();
+    option("--trial", texts.trial, "N", "Which of the seed's initial conditions comes first")->capture_default_str();
+    option("--port", texts.port, "N", "Port on 127.0.0.1; 0: any, which is then said")->capture_default_str();
+    option("--speed", texts.speed, "X", "Simulated seconds a second, until somebody changes it")->capture_default_str();
+    command->add_flag("--paused", texts.paused, "Wait after the first second");
+    command->add_flag("--straight", texts.straight,
+                      "Real-valued vehicles straight to forecast, chooser and plan, as run has it without --link");
+    command->callback([command, &texts] {
+        ServeRequest request;
+        request.site = given(*command, "--site", std::filesystem::path(texts.site));
+        request.chooser = given(*command, "--chooser", texts.chooser);
+        request.vehicles = command->count("--vehicles") > 0 ? vehicles_of(texts.vehicles) : request.vehicles;
+        request.seed = whole("--seed", texts.seed, 0, largest_seed);
+        request.trial = whole("--trial", texts.trial, 0, largest_seed);
+        request.port = static_cast<std::uint16_t>(whole("--port", texts.port, 0, 65535));
+        request.speed = speed_of(texts.speed);
+        request.paused = texts.paused;
+        request.straight = texts.straight;
+        serve(request);
+    });
+}
+
 nlohmann::ordered_json built() {
     nlohmann::ordered_json list{{"profiles", nlohmann::ordered_json::array()},
                                 {"choosers", nlohmann::ordered_json::array()},
@@ -482,6 +530,7 @@ int run(int argc, char **argv) {
     add_accuracy(app, texts);
     add_bench(app, texts);
     add_list(app, texts);
+    add_serve(app, texts);
     check_command(app, argc > 1 ? argv[1] : "");
     try {
         app.parse(argc, argv);

@@ -9,7 +9,6 @@
 #include "networks.hpp"
 #include "results.hpp"
 #include "sites.hpp"
-#include "trial.hpp"
 #include "whole_file.hpp"
 
 #include <nlohmann/json.hpp>
@@ -22,23 +21,6 @@ namespace elmopp {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_line(std::ostream &out, const Second &second, const elmopp_junction_t &junction, bool full) {
-    const Told &told = second.told;
-    const std::size_t movements = junction.movement_count;
-    out << decision_line({second.t_s, told.stage, second.lamps, &junction, told.present_veh, told.arrived_veh,
-                          told.score, told.foreseen_veh, told.fault});
-    if (full) {
-        out << ",\"queue_veh\":" << list_of(second.world.queue_veh(), movements)
-            << ",\"outside_veh\":" << list_of(second.world.outside_veh(), movements)
-            << ",\"red_s\":" << list_of(second.red_s, movements)
-            << ",\"out_veh\":" << list_of(second.world.left_veh(), movements);
-    }
-    if (full && told.mode != ELMOPP_MODE_COUNT) {
-        out << ",\"mode\":" << static_cast<unsigned>(told.mode);
-    }
-    out << "}\n";
-}
 
 /// Seconds in which the chooser saw the mean because the forecast that was asked for could not be had.
 struct FallBacks {
@@ -126,6 +108,23 @@ std::unique_ptr<Control> control_of(const RunRequest &request, const Scenario &s
 
 } // namespace
 
+std::string log_line(const Second &second, const elmopp_junction_t &junction, bool full) {
+    const Told &told = second.told;
+    const std::size_t movements = junction.movement_count;
+    std::string text = decision_line({second.t_s, told.stage, second.lamps, &junction, told.present_veh,
+                                      told.arrived_veh, told.score, told.foreseen_veh, told.fault});
+    if (full) {
+        text += ",\"queue_veh\":" + list_of(second.world.queue_veh(), movements) +
+                ",\"outside_veh\":" + list_of(second.world.outside_veh(), movements) +
+                ",\"red_s\":" + list_of(second.red_s, movements) +
+                ",\"out_veh\":" + list_of(second.world.left_veh(), movements);
+    }
+    if (full && told.mode != ELMOPP_MODE_COUNT) {
+        text += ",\"mode\":" + std::to_string(static_cast<unsigned>(told.mode));
+    }
+    return text + "}";
+}
+
 void run_once(const RunRequest &request) {
     const Scenario scenario = scenario_of(request);
     const ChooserSpec chooser = request.chooser ? parse_chooser(*request.chooser) : site_chooser(scenario.junction);
@@ -171,7 +170,7 @@ void run_once(const RunRequest &request) {
     const Observer observer = [&](const Second &second) {
         fallback.count(second.told.foresight);
         if (log) {
-            write_line(log->out(), second, scenario.junction, request.full);
+            log->out() << log_line(second, scenario.junction, request.full) << "\n";
         }
     };
     const auto control = control_of(request, scenario, chooser, demand);

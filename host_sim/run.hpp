@@ -7,6 +7,7 @@
 
 #include "choosers.hpp"
 #include "inflow.hpp"
+#include "trial.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -38,6 +39,9 @@ struct RunRequest {
 
 /// Runs it; files are written whole or not at all.
 void run_once(const RunRequest &request);
+
+/// One second's line of the decision log, without a line feed. `full`: with queues, reds, departures and mode.
+std::string log_line(const Second &second, const elmopp_junction_t &junction, bool full);
 
 /// The `inflow` command: writes the trajectory (`mapping` empty: raw) of one trial as CSV.
 void write_inflow(Integrator integrator, std::optional<Mapping> mapping, Scope scope, unsigned vehicles,

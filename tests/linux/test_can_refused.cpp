@@ -81,7 +81,7 @@ void expect_refused(const char *program, int error, const std::string &words) {
 
 void test_without_permission_it_is_one_line() {
     const std::string words = "no permission to open a raw CAN socket; right would be a user, or a service, that may";
-    for (const char *const program : {ELMOPP_CONTROLLER, ELMOPP_LAMP_NODE, ELMOPP_MONITOR_TOOL}) {
+    for (const char *const program : {ELMOPP_CONTROLLER, ELMOPP_LAMP_NODE, ELMOPP_MONITOR_TOOL, ELMOPP_VIEW}) {
         expect_refused(program, EPERM, words);
     }
     expect_refused(ELMOPP_LAMP_NODE, EACCES, words);

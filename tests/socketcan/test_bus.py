@@ -7,8 +7,11 @@ Without cameras a controller runs its fixed times: enough for lamps. A second is
 """
 
 import contextlib
+import http.client
 import itertools
+import json
 import os
+import re
 import signal
 import statistics
 import subprocess
@@ -16,6 +19,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 from bus import (
@@ -34,7 +38,7 @@ from bus import (
     lamp_node,
     refused,
 )
-from bus_frames import COMMAND, LAMP_COMMAND, LAMP_FEEDBACK, STATUS, sealed
+from bus_frames import COMMAND, LAMP_COMMAND, LAMP_FEEDBACK, MODES, STATUS, sealed
 
 STEADY = "fixed_time"
 BUS_OFF, RESTARTED, CONTROLLER = 0x40, 0x100, 0x04
@@ -338,6 +342,46 @@ def test_another_bit_rate_is_refused() -> None:
 
 
 # --- everybody by his own clock ---
+
+
+def events(port: int) -> Iterator[tuple[str, dict[str, Any]]]:
+    """What the live page is told."""
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    connection.request("GET", "/events")
+    answer, kind = connection.getresponse(), ""
+    while line := answer.readline().decode():
+        if line.startswith("event: "):
+            kind = line[7:-1]
+        elif line.startswith("data: "):
+            yield kind, json.loads(line[6:])
+
+
+def test_the_live_page_of_a_bus_shows_it_and_never_says_a_word() -> None:
+    ip("set", "lo", "up")
+    with interface("view0") as name, Program("elmopp-view", "--can", name, "--site", SITE, "--port", "0") as view:
+        view.says("ctrl-C ends it")
+        port = int(re.findall(r":(\d+)/", view.text())[0])
+        told, lonely = events(port), Bus(name)
+        assert next(told) == ("run", {"site": "four_way", "can": name})
+        assert "mode" not in next(told)[1]
+        assert list(lonely.hear(2.5)) == []
+        assert Path(f"/sys/class/net/{name}/statistics/tx_packets").read_text() == "0\n"
+        with lamp_node(name), controller(name):
+            bus = Bus(name, LAMP_COMMAND)
+            line = next(line for _, line in told if line.get("mode") == MODES.index(STEADY))
+            bus.clear()
+            line = [next(told)[1] for _ in range(3)][-1]
+            shown = {"".join(map(str, frame.aspects)) for frame in bus.hear(0.5)}
+            commands = {"".join(map(str, frame.aspects)) for frame in lonely.hear(0.1) if frame.id == LAMP_COMMAND}
+            assert line["aspects"] in shown | commands
+            assert line["uncounted"] == list(range(12))  # there is no camera
+        lonely.clear()
+        assert list(lonely.hear(2.5)) == []
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+        connection.request("POST", "/control", "{}", {"Content-Type": "application/json"})
+        assert connection.getresponse().status == 405
+        view.ask(signal.SIGTERM)
+        assert view.ends() == 0
 
 
 def test_a_simulated_street_in_real_time_has_figures_of_its_own(street: subprocess.Popen[str]) -> None:

@@ -30,6 +30,12 @@ def test_a_node_without_groups() -> None:
     assert "--node 5" in refused("elmopp-lamp-node", "--can", "vcan77", "--site", SITE, "--node", "5")
 
 
+def test_a_page_without_a_bus() -> None:
+    assert "nowhere" in refused("elmopp-view", "--can", "nowhere", "--site", SITE)
+    assert "cannot be read" in refused("elmopp-view", "--can", "vcan77", "--site", "none.bin")
+    assert "--port" in refused("elmopp-view", "--can", "vcan77", "--site", SITE, "--port", "65536")
+
+
 @pytest.mark.parametrize("text", BREAKS)
 def test_what_does_not_break(text: str) -> None:
     said = refused("elmopp-lamp-node", "--can", "vcan77", "--site", SITE, "--break", text)

@@ -106,6 +106,21 @@ void JunctionView::hear_forecast(const elmopp_frame_t &frame, unsigned approach,
         {forecast.model, {forecast.next10 * tenth, forecast.next30 * tenth, forecast.next60 * tenth}}, now_ms);
 }
 
+const char *JunctionView::model_word(unsigned model) {
+    return model < model_words.size() ? model_words.at(model) : "?";
+}
+
+JunctionView::Seen JunctionView::seen(std::uint32_t now_ms) const {
+    Seen seen;
+    seen.status = status_.if_fresh(now_ms, ELMOPP_CAN_CONTROLLER_STATUS_CYCLE_TIME_MS);
+    seen.lamps = lamps_.if_fresh(now_ms, ELMOPP_CAN_LAMP_COMMAND_CYCLE_TIME_MS);
+    for (std::size_t i = 0; i < counts_.size(); ++i) {
+        seen.counts.at(i) = counts_.at(i).if_fresh(now_ms, ELMOPP_CAN_DETECTOR_COUNTS_CYCLE_TIME_MS);
+        seen.forecast.at(i) = forecast_.at(i).if_fresh(now_ms, ELMOPP_CAN_FORECAST_CYCLE_TIME_MS);
+    }
+    return seen;
+}
+
 std::string JunctionView::status_line(std::uint32_t now_ms) const {
     if (!status_.is_fresh(now_ms, ELMOPP_CAN_CONTROLLER_STATUS_CYCLE_TIME_MS)) {
         return "controller  silent";
@@ -186,7 +201,8 @@ std::string JunctionView::forecast_of(std::uint32_t approach, std::uint32_t now_
         return "no forecast";
     }
     const auto &next = heard.value.next_veh;
-    return word_of(model_words, heard.value.model) + " " + fixed(next[0]) + " " + fixed(next[1]) + " " + fixed(next[2]);
+    return std::string(model_word(heard.value.model)) + " " + fixed(next[0]) + " " + fixed(next[1]) + " " +
+           fixed(next[2]);
 }
 
 std::string JunctionView::approach_line(std::uint32_t approach, std::uint32_t now_ms) const {

@@ -25,26 +25,6 @@ class JunctionView {
   public:
     explicit JunctionView(const elmopp_junction_t &junction) : junction_(junction) {}
 
-    /// A frame that was heard at this time. One that is not whole is counted, one of another kind is none of ours.
-    void hear(const elmopp_frame_t &frame, std::uint32_t now_ms);
-
-    /// What is to be seen now, a line each.
-    [[nodiscard]] std::vector<std::string> lines(std::uint32_t now_ms) const;
-
-  private:
-    /// Something that comes again and again.
-    template <typename Value> struct Latest {
-        Value value{};
-        std::optional<std::uint32_t> at_ms;
-
-        void set(const Value &heard, std::uint32_t now_ms) {
-            value = heard;
-            at_ms = now_ms;
-        }
-        [[nodiscard]] bool is_fresh(std::uint32_t now_ms, std::uint32_t cycle_ms) const {
-            return at_ms && now_ms - *at_ms < 3 * cycle_ms;
-        }
-    };
     struct Status {
         elmopp_mode_t mode;
         unsigned stage;
@@ -60,6 +40,43 @@ class JunctionView {
     struct Forecast {
         unsigned model;
         std::array<double, 3> next_veh; ///< 10, 30 and 60 seconds
+    };
+    /// What was said lately; nothing of those who are silent.
+    struct Seen {
+        std::optional<Status> status;
+        std::optional<elmopp_lamps_t> lamps;
+        std::array<std::optional<Counts>, ELMOPP_APPROACH_MAX> counts;
+        std::array<std::optional<Forecast>, ELMOPP_APPROACH_MAX> forecast;
+    };
+
+    /// A frame that was heard at this time. One that is not whole is counted, one of another kind is none of ours.
+    void hear(const elmopp_frame_t &frame, std::uint32_t now_ms);
+
+    /// What is to be seen now, a line each.
+    [[nodiscard]] std::vector<std::string> lines(std::uint32_t now_ms) const;
+
+    /// The same as values.
+    [[nodiscard]] Seen seen(std::uint32_t now_ms) const;
+
+    /// What a Model of Forecast is called. Never null, whatever the number.
+    static const char *model_word(unsigned model);
+
+  private:
+    /// Something that comes again and again.
+    template <typename Value> struct Latest {
+        Value value{};
+        std::optional<std::uint32_t> at_ms;
+
+        void set(const Value &heard, std::uint32_t now_ms) {
+            value = heard;
+            at_ms = now_ms;
+        }
+        [[nodiscard]] bool is_fresh(std::uint32_t now_ms, std::uint32_t cycle_ms) const {
+            return at_ms && now_ms - *at_ms < 3 * cycle_ms;
+        }
+        [[nodiscard]] std::optional<Value> if_fresh(std::uint32_t now_ms, std::uint32_t cycle_ms) const {
+            return is_fresh(now_ms, cycle_ms) ? std::optional<Value>(value) : std::nullopt;
+        }
     };
 
     void hear_status(const elmopp_frame_t &frame, std::uint32_t now_ms);
