@@ -361,8 +361,8 @@ void RoadView::draw_tail(cv::Mat &picture, const RoadBody &body) const {
          cv::Scalar(200, 205, 205));
 }
 
-/// What headlights add to the road ahead of a vehicle, and the glow of its tail lamps.
-void RoadView::draw_beam(cv::Mat &picture, const RoadBody &body) const {
+/// What headlights add to the road ahead of a vehicle: a share of what the road sends back by day.
+void RoadView::draw_beam(cv::Mat &picture, const RoadBody &body, double strength) const {
     const Block hull(body, 0, body.length_m, 0, 0, 0);
     const std::vector<Corner> cone{hull.at(-0.5, -0.7, 0), hull.at(-0.5, 0.7, 0), hull.at(-14, 2.2, 0),
                                    hull.at(-14, -2.2, 0)};
@@ -371,7 +371,7 @@ void RoadView::draw_beam(cv::Mat &picture, const RoadBody &body) const {
         const cv::Point2d at = place(corner.x, corner.y, 0);
         outline.emplace_back(cvRound(at.x), cvRound(at.y));
     }
-    constexpr int soft = 6;
+    constexpr int soft = 9;
     cv::Rect box = cv::boundingRect(outline);
     box = cv::Rect(box.x - soft, box.y - soft, box.width + 2 * soft, box.height + 2 * soft) &
           cv::Rect({0, 0}, size_);
@@ -380,11 +380,10 @@ void RoadView::draw_beam(cv::Mat &picture, const RoadBody &body) const {
             point -= box.tl();
         }
         cv::Mat light = cv::Mat::zeros(box.size(), CV_8UC3);
-        cv::fillConvexPoly(light, outline, cv::Scalar(105, 125, 132), cv::LINE_AA);
+        cv::fillConvexPoly(light, outline, cv::Scalar(205, 240, 255) * strength, cv::LINE_AA);
         cv::blur(light, light, cv::Size(2 * soft - 1, 2 * soft - 1));
         cv::Mat lit;
-        constexpr double of_road = 1.0 / 130;
-        cv::multiply(road_(box), light, lit, of_road, CV_8U);
+        cv::multiply(road_(box), light, lit, 1.0 / 255, CV_8U);
         picture(box) += lit;
     }
 }
@@ -444,10 +443,14 @@ cv::Mat RoadView::draw(const std::vector<RoadBody> &bodies, const std::vector<Ro
     const double drift = 1.0 + clouds * std::sin(t_s / 17.0) + clouds * std::sin(t_s / 5.3);
     const double light = std::pow(weather_.light, fallen) * drift;
     picture.convertTo(picture, CV_8U, light);
-    constexpr double lamps_below = 0.6;
-    if (weather_.lamps && light < lamps_below + 0.1) {
+    // The camera opens up as it gets dark: a beam is the brighter in the picture, the darker the street.
+    constexpr double unseen_at = 0.75;
+    constexpr double full_at = 0.25;
+    constexpr double full = 0.35;
+    const double strength = full * std::clamp((unseen_at - light) / (unseen_at - full_at), 0.0, 1.0);
+    if (weather_.lamps && strength > 0) {
         for (const RoadBody &body : seen) {
-            draw_beam(picture, body);
+            draw_beam(picture, body, strength);
         }
         for (const RoadBody &body : seen) {
             if (faces(Block(body, 0, body.length_m, 0, 0, 1).rear(), camera, {body.ahead_m, body.aside_m, 0})) {

@@ -95,7 +95,7 @@ class RoadView {
     void draw_shadow(cv::Mat &mask, const RoadBody &body, double reach) const;
     void draw_body(cv::Mat &picture, const RoadBody &body) const;
     void draw_tail(cv::Mat &picture, const RoadBody &body) const;
-    void draw_beam(cv::Mat &picture, const RoadBody &body) const;
+    void draw_beam(cv::Mat &picture, const RoadBody &body, double strength) const;
     void draw_lamps(cv::Mat &picture, const std::vector<RoadLamp> &lamps) const;
     void add_grain(cv::Mat &picture);
     [[nodiscard]] Corner camera_frame(const Corner &point) const;
