@@ -67,8 +67,13 @@ class Link {
     [[nodiscard]] virtual std::size_t history_s() const = 0;
 };
 
-/// The controller in this process, with what a street knows: the shipped regression, running means.
-std::unique_ptr<Link> make_inproc(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand);
+/// What a refused frame means: a mistake of the simulator's, or that frames before it were lost.
+enum class Refused { mistake, loss };
+
+/// The controller in this process, with what a street knows: the shipped regression, running means. The scenario must
+/// outlive it.
+std::unique_ptr<Link> make_inproc(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand,
+                                  Refused refused = Refused::mistake);
 
 /// A controller at the other end of a wire: of its own time (real), or of ours (bus).
 std::unique_ptr<Link> make_bus(std::unique_ptr<Wire> wire, bool bus_clock);

@@ -299,8 +299,8 @@ Setting street_setting(const Scenario &scenario, const ChooserSpec &spec) {
 /// The controller in this process.
 class InProcess final : public Link {
   public:
-    InProcess(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand)
-        : setting_(street_setting(scenario, spec)), plugged_(make_chooser(spec, setting_)),
+    InProcess(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand, Refused refused)
+        : refused_(refused), setting_(street_setting(scenario, spec)), plugged_(make_chooser(spec, setting_)),
           ar8_(scenario.junction.approach_count, shipped_weights("lstm")->ar8) {
         elmopp_forecast_config_t forecast = forecast_of(spec, demand);
         forecast.ar8 = ar8_.data();
@@ -311,7 +311,7 @@ class InProcess final : public Link {
 
     std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t now_ms) override {
         for (const auto &frame : frames) {
-            if (!elmopp_controller_take(&controller_, &frame)) {
+            if (!elmopp_controller_take(&controller_, &frame) && refused_ == Refused::mistake) {
                 throw Failure("the controller refused a frame of the simulator's");
             }
         }
@@ -332,6 +332,7 @@ class InProcess final : public Link {
     }
 
   private:
+    Refused refused_;
     Setting setting_;
     std::unique_ptr<Plugged> plugged_;
     std::vector<elmopp_ar8_t> ar8_;
@@ -341,8 +342,9 @@ class InProcess final : public Link {
 
 } // namespace
 
-std::unique_ptr<Link> make_inproc(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand) {
-    return std::make_unique<InProcess>(scenario, spec, demand);
+std::unique_ptr<Link> make_inproc(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand,
+                                  Refused refused) {
+    return std::make_unique<InProcess>(scenario, spec, demand, refused);
 }
 
 std::unique_ptr<Control> make_framed(const Scenario &scenario, const ChooserSpec &spec, const Demand &demand,

@@ -5,19 +5,19 @@
 
 namespace elmopp {
 
-bool Lane::has_room(std::int64_t now_ds) {
+bool LaneQueue::has_room(std::int64_t now_ds) {
     while (!gaps_ds_.empty() && gaps_ds_.front() <= now_ds) {
         gaps_ds_.pop_front();
     }
     return now_ds >= next_in_ds_ && vehicles_.size() + gaps_ds_.size() < storage_veh_;
 }
 
-void Lane::enter(const Vehicle &vehicle, std::int64_t now_ds) {
+void LaneQueue::enter(const Vehicle &vehicle, std::int64_t now_ds) {
     vehicles_.push_back(vehicle);
     next_in_ds_ = now_ds + following_ds;
 }
 
-void Lane::leave(std::int64_t now_ds) {
+void LaneQueue::leave(std::int64_t now_ds) {
     vehicles_.pop_front();
     gaps_ds_.push_back(now_ds + wave_ds * static_cast<std::int64_t>(storage_veh_));
 }

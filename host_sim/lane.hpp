@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Lane: vehicles one behind another on a stretch of finite length.
+/// Lane queue: vehicles one behind another on a stretch of finite length.
 ///
 /// Nobody overtakes. Who leaves at the head makes room at the tail only when the gap has come there: a queue starts one
 /// vehicle after another (a backward wave of wave_ds a vehicle). It decides no turn and knows no lamp.
@@ -25,9 +25,9 @@ struct Vehicle {
     std::size_t way;       ///< index into its arm's ways
 };
 
-class Lane {
+class LaneQueue {
   public:
-    explicit Lane(std::size_t storage_veh) : storage_veh_(storage_veh) {}
+    explicit LaneQueue(std::size_t storage_veh) : storage_veh_(storage_veh) {}
 
     /// True if a further vehicle fits and the one before it is far enough ahead.
     [[nodiscard]] bool has_room(std::int64_t now_ds);

@@ -67,7 +67,7 @@ Metrics totals(const Streets &streets, std::size_t seconds, double out_squared) 
 } // namespace
 
 Metrics run_streets(const StreetPlan &plan, const std::vector<Site> &sites, std::size_t seconds,
-                    const Observer &observer, const Neighbours &neighbours) {
+                    const Observer &observer, const Neighbours &neighbours, const Spectator &spectator) {
     std::vector<Comings> comings;
     std::vector<Post> posts;
     comings.reserve(sites.size());
@@ -79,6 +79,9 @@ Metrics run_streets(const StreetPlan &plan, const std::vector<Site> &sites, std:
     Streets streets(plan, std::move(comings));
     std::vector<std::uint32_t> open(sites.size());
     double out_squared = 0.0;
+    if (spectator) {
+        spectator(streets);
+    }
     for (std::size_t t = 0; t < seconds; ++t) {
         check_interrupt();
         if (neighbours) {
@@ -94,6 +97,9 @@ Metrics run_streets(const StreetPlan &plan, const std::vector<Site> &sites, std:
                 open[v] = posts[v].lamp_tick();
             }
             streets.tick(open);
+            if (spectator) {
+                spectator(streets);
+            }
         }
         streets.end_second();
         streets.check_conservation();

@@ -29,7 +29,7 @@ std::size_t storage_of(const elmopp_movement_t &movement) {
 
 /// True if the head of a lane goes first: left turns from opposite sides pass before each other, and whoever is behind
 /// one that waits is held up by it.
-bool crosses(const std::vector<Way> &ways, const Lane &lane) {
+bool crosses(const std::vector<Way> &ways, const LaneQueue &lane) {
     return ways[lane.vehicles().front().way].gives_way.empty();
 }
 
@@ -83,7 +83,7 @@ std::vector<std::vector<std::size_t>> road_lanes(const elmopp_junction_t &site, 
 }
 
 /// The better place to drive in: the lane if it has room and fewer vehicles than the best until now (null: none).
-Lane *emptier(Lane *best, Lane &lane, std::int64_t now_ds) {
+LaneQueue *emptier(LaneQueue *best, LaneQueue &lane, std::int64_t now_ds) {
     const bool better = lane.has_room(now_ds) && (best == nullptr || lane.vehicles().size() < best->vehicles().size());
     return better ? &lane : best;
 }
@@ -122,7 +122,7 @@ Streets::Junction Streets::build(const JunctionPlan &plan, const Comings &coming
         arm.reach_ds = elmopp::reach_ds(site, *arm.plan);
         arm.choice = road_lanes(site, i);
         const double road_m = arm.plan->length_m - static_cast<double>(site.reach_m);
-        arm.road.assign(lane_count(arm.choice), Lane(static_cast<std::size_t>(road_m / vehicle_m + whole)));
+        arm.road.assign(lane_count(arm.choice), LaneQueue(static_cast<std::size_t>(road_m / vehicle_m + whole)));
         arm.outside.resize(arm.road.size());
         arm.comings = &comings[i];
         // Who came to the reach before second 0 is nobody's business.
@@ -132,7 +132,7 @@ Streets::Junction Streets::build(const JunctionPlan &plan, const Comings &coming
         junction.arms.push_back(std::move(arm));
     }
     for (std::size_t j = 0; j < site.movement_count; ++j) {
-        junction.lanes.emplace_back(site.movement[j].lanes, Lane(storage_of(site.movement[j])));
+        junction.lanes.emplace_back(site.movement[j].lanes, LaneQueue(storage_of(site.movement[j])));
     }
     return junction;
 }
@@ -191,7 +191,7 @@ void Streets::cross(std::size_t junction) {
     }
 }
 
-void Streets::cross_from(std::size_t junction, std::size_t movement, Lane &lane) {
+void Streets::cross_from(std::size_t junction, std::size_t movement, LaneQueue &lane) {
     const Junction &here = junctions_[junction];
     if (!lane.is_ready(now_ds_)) {
         return;
@@ -212,7 +212,7 @@ void Streets::cross_from(std::size_t junction, std::size_t movement, Lane &lane)
     delay_veh_ds_ += static_cast<double>(now_ds_ - vehicle.due_ds);
 }
 
-bool Streets::may_go(const Junction &junction, std::size_t movement, Lane &lane, const Way &way) const {
+bool Streets::may_go(const Junction &junction, std::size_t movement, LaneQueue &lane, const Way &way) const {
     const bool open = elmopp_mask_has(junction.open, static_cast<std::uint32_t>(movement));
     if (lane.next_ds > static_cast<double>(now_ds_) || !(open || lane.in_the_box)) {
         return false;
@@ -238,7 +238,7 @@ bool Streets::move_on(const Vehicle &vehicle, const Way &way) {
     }
     Arm &arm = junctions_[way.to->junction].arms[way.to->approach];
     const std::size_t next = way_of(*arm.plan, vehicle.seed);
-    Lane *best = nullptr;
+    LaneQueue *best = nullptr;
     for (const std::size_t k : arm.choice[arm.plan->ways[next].movement]) {
         best = emptier(best, arm.road[k], now_ds_);
     }
@@ -259,7 +259,7 @@ void Streets::reach(std::size_t junction, Arm &arm) {
         }
         Vehicle vehicle = road.vehicles().front();
         const std::size_t movement = arm.plan->ways[vehicle.way].movement;
-        Lane *best = nullptr;
+        LaneQueue *best = nullptr;
         for (auto &lane : junctions_[junction].lanes[movement]) {
             best = emptier(best, lane, now_ds_);
         }
@@ -398,7 +398,7 @@ Outflow Streets::outflow_to(ArmId arm) const {
 
 bool Streets::is_occupied(std::size_t junction) const {
     for (const auto &lanes : junctions_[junction].lanes) {
-        if (std::any_of(lanes.begin(), lanes.end(), [](const Lane &lane) { return lane.in_the_box; })) {
+        if (std::any_of(lanes.begin(), lanes.end(), [](const LaneQueue &lane) { return lane.in_the_box; })) {
             return true;
         }
     }

@@ -70,6 +70,21 @@ class Streets {
     /// True if a vehicle waits inside the junction, beyond its stop line.
     [[nodiscard]] bool is_occupied(std::size_t junction) const;
 
+    /// Who is where, for whoever derives places from it (places.hpp): [movement][pavement lane] within the reach, and
+    /// [road lane] before it. Valid until the next tick.
+    [[nodiscard]] const std::vector<std::vector<LaneQueue>> &lanes_in_reach(std::size_t junction) const {
+        return junctions_[junction].lanes;
+    }
+    [[nodiscard]] const std::vector<LaneQueue> &lanes_on_road(ArmId arm) const {
+        return junctions_[arm.junction].arms[arm.approach].road;
+    }
+    [[nodiscard]] std::int64_t now_ds() const {
+        return now_ds_;
+    }
+    [[nodiscard]] std::uint32_t open_movements(std::size_t junction) const {
+        return junctions_[junction].open;
+    }
+
     [[nodiscard]] std::size_t total_in_veh() const {
         return total_in_veh_;
     }
@@ -91,7 +106,7 @@ class Streets {
         const ArmPlan *plan = nullptr;
         std::int64_t road_ds = 0;
         std::int64_t reach_ds = 0;
-        std::vector<Lane> road;
+        std::vector<LaneQueue> road;
         std::vector<std::deque<Vehicle>> outside;     ///< [road lane]
         std::vector<std::vector<std::size_t>> choice; ///< [movement] road lanes that lead to it
         std::deque<std::int64_t> announced_ds;        ///< when they would come to the reach
@@ -101,15 +116,15 @@ class Streets {
     struct Junction {
         const elmopp_junction_t *site = nullptr;
         std::vector<Arm> arms;                ///< [approach]
-        std::vector<std::vector<Lane>> lanes; ///< [movement][pavement lane]
+        std::vector<std::vector<LaneQueue>> lanes; ///< [movement][pavement lane]
         std::uint32_t open = 0;
     };
 
     [[nodiscard]] static Junction build(const JunctionPlan &plan, const Comings &comings);
     void open(Junction &junction, std::uint32_t open) const;
     void cross(std::size_t junction);
-    void cross_from(std::size_t junction, std::size_t movement, Lane &lane);
-    [[nodiscard]] bool may_go(const Junction &junction, std::size_t movement, Lane &lane, const Way &way) const;
+    void cross_from(std::size_t junction, std::size_t movement, LaneQueue &lane);
+    [[nodiscard]] bool may_go(const Junction &junction, std::size_t movement, LaneQueue &lane, const Way &way) const;
     bool move_on(const Vehicle &vehicle, const Way &way);
     void reach(std::size_t junction, Arm &arm);
     void come(Arm &arm);

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "loop.hpp"
+
+#include "bus.hpp"
+#include "decision_log.hpp"
+#include "error.hpp"
+#include "overlay.hpp"
+#include "sites.hpp"
+#include "street_trial.hpp"
+#include "whole_file.hpp"
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <numeric>
+#include <utility>
+
+namespace elmopp {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// The controller's side through frames, and lamps as the street sees them.
+class Chain final : public Control {
+  public:
+    Chain(std::unique_ptr<Control> framed, StreetBus &bus) : framed_(std::move(framed)), bus_(bus) {}
+
+    void count(const Counted &world, std::size_t t_s) override {
+        framed_->count(world, t_s);
+    }
+    elmopp_lamps_t lamp_tick() override {
+        (void)framed_->lamp_tick();
+        return bus_.shown();
+    }
+    [[nodiscard]] Told told() const override {
+        return framed_->told();
+    }
+
+  private:
+    std::unique_ptr<Control> framed_;
+    StreetBus &bus_;
+};
+
+/// All cameras side by side, two by two.
+class Mosaic {
+  public:
+    explicit Mosaic(const std::string &file) : overlay_(file) {}
+
+    void add(const std::vector<std::unique_ptr<Film>> &films, double t_s) {
+        const cv::Size one = films[0]->picture().size();
+        const int rows = (static_cast<int>(films.size()) + 1) / 2;
+        cv::Mat all = cv::Mat::zeros(one.height * rows, one.width * std::min<int>(2, static_cast<int>(films.size())),
+                                     CV_8UC3);
+        for (std::size_t i = 0; i < films.size(); ++i) {
+            const cv::Point corner(static_cast<int>(i % 2) * one.width, static_cast<int>(i / 2) * one.height);
+            films[i]->drawn().copyTo(all(cv::Rect(corner, one)));
+        }
+        overlay_.add(all, t_s);
+    }
+    void finish() {
+        overlay_.finish();
+    }
+
+  private:
+    Overlay overlay_;
+};
+
+/// What one run was like.
+struct Run {
+    Metrics metrics;
+    std::uint64_t ticks = 0;
+    std::uint64_t conflicts = 0;
+    std::uint64_t early_greens = 0;
+    std::vector<LaneTally> lanes;
+    double present_error_veh = 0.0; ///< mean over seconds and movements
+    unsigned faulty_s = 0;          ///< seconds in which a camera was not believed by its counter
+};
+
+const char *mode_name(elmopp_mode_t mode) {
+    static const std::vector<const char *> names{"starting",   "start_flash", "start_red", "first_stage",
+                                                 "automatic",  "fixed_time",  "manual",    "all_red",
+                                                 "flashing",   "dark",        "fail_safe"};
+    return static_cast<std::size_t>(mode) < names.size() ? names[static_cast<std::size_t>(mode)] : "none";
+}
+
+std::string aspects_of(const elmopp_lamps_t &lamps, const elmopp_junction_t &site) {
+    std::string digits;
+    for (std::uint32_t g = 0; g < site.group_count; ++g) {
+        digits += std::to_string(static_cast<unsigned>(elmopp_lamps_aspect(&lamps, g)));
+    }
+    return digits;
+}
+
+class LoopProgram {
+  public:
+    explicit LoopProgram(const LoopRequest &request)
+        : request_(request), site_(read_street(request.site)),
+          scenario_(make_scenario("discrete@demand=" + request.demand, &site_)),
+          chooser_(request.chooser ? parse_chooser(*request.chooser) : site_chooser(site_)),
+          troubles_(parse_troubles(request.faults, site_)) {
+        check();
+        const Source source =
+            make_source(scenario_.profile.integrator, Mapping::abs, request.seed, 0, site_.approach_count);
+        const double each = vehicles_per_approach(scenario_.profile.scope, request.vehicles, source.unit.size());
+        demand_ = make_discrete_demand(scenario_, source.unit, each, request.seed, 0, request.seconds);
+        // The controller begins in a street that nobody has counted before.
+        demand_.mean_veh_per_s.clear();
+        demand_.origin = 0;
+        for (std::size_t i = 0; i < site_.approach_count; ++i) {
+            if (elmopp_mask_has(site_.cameras, static_cast<std::uint32_t>(i))) {
+                camera_names_.emplace_back(std::begin(site_.approach_name[i]));
+            }
+        }
+        fs::create_directories(request.out);
+    }
+
+    void run() {
+        const Run perfect = drive(false);
+        const Run camera = drive(true);
+        write(perfect, camera);
+        if (camera.conflicts + camera.early_greens + perfect.conflicts + perfect.early_greens > 0) {
+            throw Failure("the lamps showed what they must not: see conflicts and early_greens in " +
+                          (request_.out / "closed_loop.json").string());
+        }
+    }
+
+  private:
+    void check() const {
+        if (request_.seconds < 1 || request_.seconds > simulated_points) {
+            throw BadRequest("--seconds " + std::to_string(request_.seconds) + ": right would be 1 to " +
+                             std::to_string(simulated_points));
+        }
+        const auto scenes = RoadWeather::names();
+        if (std::find(scenes.begin(), scenes.end(), request_.scene) == scenes.end()) {
+            const std::string all = std::accumulate(std::next(scenes.begin()), scenes.end(), scenes[0],
+                                                    [](auto sum, const auto &one) { return sum + ", " + one; });
+            throw BadRequest("--scene \"" + request_.scene + "\": right would be one of " + all);
+        }
+        const bool is_inproc = request_.link == "inproc";
+        if (!is_inproc && request_.link.rfind("can:", 0) != 0 && request_.link.rfind("slcan:", 0) != 0) {
+            throw BadRequest("--link \"" + request_.link + "\": right would be inproc, can:IFACE or slcan:PLACE");
+        }
+        const auto resets = [](const Trouble &trouble) { return trouble.kind == "reset"; };
+        if (!is_inproc && std::any_of(troubles_.begin(), troubles_.end(), resets)) {
+            throw BadRequest("--faults reset with --link " + request_.link + ": right would be --link inproc");
+        }
+        if (!is_inproc && !(chooser_ == site_chooser(site_))) {
+            throw BadRequest("--chooser with --link " + request_.link +
+                             ": the controller there runs what its site names; right would be none");
+        }
+    }
+
+    [[nodiscard]] std::unique_ptr<Link> controller() const {
+        if (request_.link == "inproc") {
+            return make_inproc(scenario_, chooser_, demand_, Refused::loss);
+        }
+        const std::string place = request_.link.substr(request_.link.find(':') + 1);
+        return make_bus(request_.link.rfind("slcan:", 0) == 0 ? make_slcan_wire(place) : make_can_wire(place), true);
+    }
+
+    Run drive(bool with_cameras);
+    void log(std::ostream &out, const Second &second, const BusSecond &bus, const std::vector<int> &there) const;
+    void write(const Run &perfect, const Run &camera) const;
+    [[nodiscard]] std::vector<std::unique_ptr<Film>> films() const;
+
+    const LoopRequest &request_;
+    elmopp_junction_t site_;
+    Scenario scenario_;
+    ChooserSpec chooser_;
+    std::vector<Trouble> troubles_;
+    Demand demand_{};
+    std::vector<std::string> camera_names_;
+    std::vector<int> there_before_; ///< [movement] in truth, when the counts of this second were taken
+};
+
+void LoopProgram::log(std::ostream &out, const Second &second, const BusSecond &bus,
+                      const std::vector<int> &there) const {
+    Json line{{"t_s", second.t_s},
+              {"mode", mode_name(second.told.mode)},
+              {"fault", elmopp_fault_name(second.told.fault)},
+              {"stage", second.told.stage}};
+    Json cameras = Json::object();
+    for (std::size_t c = 0; c < bus.records.size(); ++c) {
+        // The worst of its lanes: a fault of the camera before "learning".
+        Reason worst = Reason::ok;
+        for (const LaneRecord &lane : bus.records[c].lanes) {
+            worst = std::max(worst, lane.reason);
+        }
+        cameras[camera_names_[c]] = reason_name(worst);
+    }
+    line["cameras"] = cameras;
+    line["present"] = std::vector<float>(second.told.present_veh, second.told.present_veh + site_.movement_count);
+    line["true"] = there;
+    Json lamps = Json::array();
+    for (const elmopp_lamps_t &shown : bus.shown) {
+        lamps.push_back(aspects_of(shown, site_));
+    }
+    line["lamps"] = lamps;
+    line["lost"] = bus.lost;
+    line["reset"] = bus.reset;
+    out << line.dump() << "\n";
+}
+
+void LoopProgram::write(const Run &perfect, const Run &camera) const {
+    Json lanes = Json::array();
+    std::int64_t wrong = 0;
+    std::int64_t crossed = 0;
+    for (const LaneTally &lane : camera.lanes) {
+        lanes.push_back({{"lane", lane.lane}, {"true", lane.crossed}, {"counted", lane.counted}});
+        wrong += std::abs(lane.crossed - lane.counted);
+        crossed += lane.crossed;
+    }
+    const Json result{
+        {"lanes", lanes},
+        {"delay_camera_s", camera.metrics.mean_delay_s},
+        {"delay_perfect_s", perfect.metrics.mean_delay_s},
+        {"lane_error", crossed > 0 ? static_cast<double>(wrong) / static_cast<double>(crossed) : 0.0},
+        {"present_error_veh", camera.present_error_veh},
+        {"longest_red_camera_s", camera.metrics.longest_red_s},
+        {"longest_red_perfect_s", perfect.metrics.longest_red_s},
+        {"vehicles_in", camera.metrics.vehicles_in},
+        {"vehicles_out_camera", camera.metrics.vehicles_out},
+        {"vehicles_out_perfect", perfect.metrics.vehicles_out},
+        {"doubted_s", camera.faulty_s},
+        {"lamp_ticks", camera.ticks + perfect.ticks},
+        {"conflicts", camera.conflicts + perfect.conflicts},
+        {"early_greens", camera.early_greens + perfect.early_greens},
+        {"site", site_.name},
+        {"chooser", full_name(chooser_.label(), chooser_.forecast)},
+        {"demand", request_.demand},
+        {"vehicles", request_.vehicles},
+        {"seed", request_.seed},
+        {"seconds", request_.seconds},
+        {"scene", request_.scene},
+        {"link", request_.link.substr(0, request_.link.find(':'))},
+        {"faults", request_.faults}};
+    WholeFile out("--out", request_.out / "closed_loop.json");
+    out.out() << result.dump(1) << "\n";
+    out.commit();
+}
+
+std::vector<std::unique_ptr<Film>> LoopProgram::films() const {
+    std::vector<std::unique_ptr<Film>> films;
+    for (std::size_t i = 0; i < site_.approach_count; ++i) {
+        if (elmopp_mask_has(site_.cameras, static_cast<std::uint32_t>(i))) {
+            const std::string name = std::begin(site_.approach_name[i]);
+            films.push_back(std::make_unique<Film>(scenario_.junction, i, request_.scene, request_.seed * 100 + i,
+                                                   request_.out / (name + ".lanes.json")));
+        }
+    }
+    return films;
+}
+
+Run LoopProgram::drive(bool with_cameras) {
+    const auto own = with_cameras ? films() : std::vector<std::unique_ptr<Film>>();
+    std::vector<Film *> looking;
+    for (const auto &film : own) {
+        looking.push_back(film.get());
+    }
+    const StreetPlan plan = plan_of(scenario_);
+    Places follower(plan, 0);
+    std::vector<Place> places;
+    auto link = std::make_unique<StreetBus>(scenario_.junction, [this] { return controller(); }, looking, places,
+                                            with_cameras ? troubles_ : std::vector<Trouble>(), request_.seed);
+    StreetBus &bus = *link;
+    std::unique_ptr<Mosaic> mosaic;
+    if (with_cameras && !request_.overlay.empty()) {
+        mosaic = std::make_unique<Mosaic>(request_.overlay);
+        bus.looked = [&](double t_s) { mosaic->add(own, t_s); };
+    }
+    Chain chain(make_framed(scenario_, chooser_, demand_, std::move(link)), bus);
+    std::optional<WholeFile> street;
+    if (with_cameras) {
+        street.emplace("--out", request_.out / "street.jsonl");
+    }
+    Run run;
+    bool begun = false;
+    const auto spectator = [&](const Streets &streets) {
+        follower.follow(streets);
+        places = follower.all();
+        if (!begun) {
+            bus.begin();
+            begun = true;
+        }
+    };
+    double wrong_veh = 0.0;
+    const Observer observer = [&](const Second &second) {
+        const BusSecond noted = bus.take_second();
+        std::vector<int> there(site_.movement_count);
+        for (const auto &film : own) {
+            const auto some = film->present(places);
+            std::transform(there.begin(), there.end(), some.begin(), there.begin(), std::plus<>());
+        }
+        for (std::size_t j = 0; j < there.size(); ++j) {
+            wrong_veh += std::abs(static_cast<double>(second.told.present_veh[j]) - there_before_[j]);
+        }
+        const auto doubted = [](const Record &record) {
+            return std::any_of(record.lanes.begin(), record.lanes.end(),
+                               [](const LaneRecord &lane) { return !lane.valid; });
+        };
+        run.faulty_s += std::any_of(noted.records.begin(), noted.records.end(), doubted) ? 1U : 0U;
+        if (street) {
+            log(street->out(), second, noted, there_before_);
+        }
+        there_before_ = there;
+    };
+    there_before_.assign(site_.movement_count, 0);
+    run.metrics = run_streets(plan, {{scenario_, chain, demand_}}, request_.seconds, observer, {}, spectator);
+    for (const auto &film : own) {
+        film->finish();
+        const auto lanes = film->tally();
+        run.lanes.insert(run.lanes.end(), lanes.begin(), lanes.end());
+    }
+    run.present_error_veh = wrong_veh / static_cast<double>(request_.seconds) / site_.movement_count;
+    run.ticks = bus.witness().ticks();
+    run.conflicts = bus.witness().conflicts();
+    run.early_greens = bus.witness().early_greens();
+    if (mosaic) {
+        mosaic->finish();
+    }
+    if (street) {
+        street->commit();
+    }
+    return run;
+}
+
+} // namespace
+
+void run_loop(const LoopRequest &request) {
+    LoopProgram(request).run();
+}
+
+} // namespace elmopp

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copyright 2026 The ELMOPP authors
+
+#include "witness.hpp"
+
+namespace elmopp {
+
+void Witness::see(const elmopp_lamps_t &lamps) {
+    ++ticks_;
+    const std::uint32_t steady = ~std::uint32_t{lamps.flash};
+    const std::uint32_t off_red = (std::uint32_t{lamps.green} | lamps.amber) & ~std::uint32_t{lamps.red} & steady;
+    bool conflict = false;
+    for (std::uint32_t g = 0; g < site_.group_count; ++g) {
+        conflict = conflict || (((off_red >> g) & 1U) != 0U && (off_red & site_.conflict[g]) != 0U);
+    }
+    conflicts_ += conflict ? 1U : 0U;
+    const std::uint32_t green = lamps.green & steady;
+    for (std::uint32_t g = 0; g < site_.group_count; ++g) {
+        const bool is_green = ((green >> g) & 1U) != 0U;
+        const bool was_green = ((green_ >> g) & 1U) != 0U;
+        if (was_green && !is_green) {
+            ended_ds_.at(g) = ticks_;
+        }
+        if (is_green && !was_green) {
+            see_start(g);
+        }
+    }
+    green_ = green;
+}
+
+void Witness::see_start(std::uint32_t group) {
+    for (std::uint32_t other = 0; other < site_.group_count; ++other) {
+        const bool conflicts = ((site_.conflict[group] >> other) & 1U) != 0U;
+        if (conflicts && ended_ds_.at(other) != 0 &&
+            ticks_ - ended_ds_.at(other) < site_.intergreen_ds[other][group]) {
+            ++early_greens_;
+            return;
+        }
+    }
+}
+
+} // namespace elmopp
