@@ -50,8 +50,7 @@ static int32_t nearest(float value) {
 
 static void look_at_inputs(const float low[ELMOPP_LSTM_INPUTS], const float high[ELMOPP_LSTM_INPUTS], inputs_t *out) {
     for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
-        const float width = high[k] - low[k];
-        ELMOPP_ASSERT(width >= ELMOPP_LSTM_QUANTIZE_WIDTH_MIN);
+        const float width = elmopp_greater(ELMOPP_LSTM_QUANTIZE_WIDTH_MIN, high[k] - low[k]);
         out->middle[k] = low[k] + (0.5F * width);
         out->half[k] = (0.5F * width) * (Q15_ONE / WEIGHT_MAX);
     }
@@ -172,13 +171,21 @@ static void fill(const elmopp_lstm_f32_weights_t *weights, const inputs_t *input
     }
 }
 
-elmopp_lstm_quantized_t elmopp_lstm_quantize(const elmopp_lstm_f32_weights_t *weights,
-                                             const float low[ELMOPP_LSTM_INPUTS], const float high[ELMOPP_LSTM_INPUTS],
-                                             elmopp_lstm_q15_weights_t *out) {
+elmopp_lstm_quantized_t elmopp_lstm_quantize_check(const elmopp_lstm_f32_weights_t *weights,
+                                                   const float low[ELMOPP_LSTM_INPUTS],
+                                                   const float high[ELMOPP_LSTM_INPUTS]) {
     ELMOPP_ASSERT((weights->levels >= 1U) && (weights->levels <= ELMOPP_LSTM_LEVELS_MAX));
     inputs_t inputs;
     look_at_inputs(low, high, &inputs);
-    const elmopp_lstm_quantized_t result = judge(weights, &inputs);
+    return judge(weights, &inputs);
+}
+
+elmopp_lstm_quantized_t elmopp_lstm_quantize(const elmopp_lstm_f32_weights_t *weights,
+                                             const float low[ELMOPP_LSTM_INPUTS], const float high[ELMOPP_LSTM_INPUTS],
+                                             elmopp_lstm_q15_weights_t *out) {
+    const elmopp_lstm_quantized_t result = elmopp_lstm_quantize_check(weights, low, high);
+    inputs_t inputs;
+    look_at_inputs(low, high, &inputs);
     if (!result.made) {
         return result;
     }

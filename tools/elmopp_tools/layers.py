@@ -80,7 +80,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "future": LEVEL_0 | {"account", "coming", "sight"},
     "rollout": LEVEL_0 | {"account", "coming", "future", "sight"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | MODELS | {"account", "outflow", "weights"},
+    "forecast": LEVEL_0 | MODELS | {"account", "lstm_quantize", "outflow", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
@@ -89,7 +89,9 @@ ROOMS: dict[str, frozenset[str]] = {
     # the other side of the bus, a device of its own
     "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
     # level 4: the inner seam
-    "pilot": LEVEL_0 | MODELS | {"account", "forecast", "outflow", "plan", "pressure", "site", "urgency", "weights"},
+    "pilot": LEVEL_0
+    | MODELS
+    | {"account", "forecast", "lstm_quantize", "outflow", "plan", "pressure", "site", "urgency", "weights"},
     # level 5: the outer seam
     "controller": LEVEL_0
     | MODELS
@@ -99,6 +101,7 @@ ROOMS: dict[str, frozenset[str]] = {
         "forecast",
         "frames",
         "link",
+        "lstm_quantize",
         "monitor",
         "outflow",
         "pilot",

@@ -24,7 +24,7 @@
 /// A row of which more could come is refused. A sigmoid is 1 - 6e-8 from 17 on: nothing sensible is near.
 #define ELMOPP_LSTM_QUANTIZE_REACH_MAX 128.0F
 
-/// The narrowest range of an input.
+/// A narrower range of an input is taken as one of this width.
 #define ELMOPP_LSTM_QUANTIZE_WIDTH_MIN 1.0e-6F
 
 /// What came of it.
@@ -36,9 +36,14 @@ typedef struct {
 } elmopp_lstm_quantized_t;
 
 /// Fills `out` from weights that have passed elmopp_weights_check(), for inputs that are kept within low[k]..high[k],
-/// high[k] - low[k] >= ELMOPP_LSTM_QUANTIZE_WIDTH_MIN. `out` is in use by nobody meanwhile.
+/// low[k] <= high[k]. `out` is in use by nobody meanwhile.
 elmopp_lstm_quantized_t elmopp_lstm_quantize(const elmopp_lstm_f32_weights_t *weights,
                                              const float low[ELMOPP_LSTM_INPUTS], const float high[ELMOPP_LSTM_INPUTS],
                                              elmopp_lstm_q15_weights_t *out);
+
+/// Whether it would: the same answer, and nothing made.
+elmopp_lstm_quantized_t elmopp_lstm_quantize_check(const elmopp_lstm_f32_weights_t *weights,
+                                                   const float low[ELMOPP_LSTM_INPUTS],
+                                                   const float high[ELMOPP_LSTM_INPUTS]);
 
 #endif
