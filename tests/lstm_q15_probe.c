@@ -6,9 +6,9 @@
 /// FILE is raw and little-endian: two words, the inputs absorbed and the steps run freely; the input range (four least,
 /// four largest values); an elmopp_lstm_f32_weights_t; the inputs, rows of four floats. Written are, raw: the
 /// elmopp_lstm_q15_weights_t made of it; a row of output after each input, then as many of the float network; then the
-/// free run, each row the output held in the range and the next input, and that of the float network; the state in whole
-/// numbers. tests/python/test_lstm_q15.py compares it, and tools/bench-cortex-m4 takes the errors of free runs from it: it
-/// runs on the emulated board, too.
+/// free run, each row the output held in the range and the next input, and that of the float network; the state in
+/// whole numbers. tests/python/test_lstm_q15.py compares it, and tools/bench-cortex-m4 takes the errors of free runs
+/// from it: it runs on the emulated board, too.
 ///
 /// Exit status 2: a row is refused, `LEVEL COLUMN REACH` on standard error. 1: anything else went wrong.
 

@@ -14,7 +14,7 @@
 
 /* Rounded by way of a positive number, which a conversion rounds down. */
 static int16_t fed_input(float scaled) {
-    const uint32_t lifted = (uint32_t)(elmopp_within(scaled, -FED_MAX, FED_MAX) + 32768.5F);
+    const uint32_t lifted = (uint32_t)(elmopp_bounded(scaled, FED_MAX) + 32768.5F);
     return (int16_t)((int32_t)lifted - 32768);
 }
 

@@ -14,17 +14,19 @@
 #define ROWS_MAX ELMOPP_LSTM_INNER_ROWS
 
 #define WEIGHT_MAX 32767.0F
-#define SUM_GOAL 65500.0F     ///< rounding adds half to each of ROWS_MAX weights, and a float's own errors less than 1
-#define FACTOR_MAX 4194304.0F ///< 2^22: the weights of a row are at least so fine
+#define SUM_GOAL 65500.0F ///< rounding adds half to each of ROWS_MAX weights, and a float's own errors less than 1
+#define STEP_MIN 2.384185791015625e-7F ///< 2^-22: no row is finer
 #define Q15_ONE 32768.0F
 #define REACH_ONE 2097152.0F      ///< Q21
-#define SCALE_ONE 274877906944.0F ///< 2^38: reach = (sum * scale) / 2^32, in Q21, of a sum in Q15 and 1/factor
+#define SCALE_ONE 274877906944.0F ///< 2^38: reach = (sum * scale) / 2^32, in Q21; sums are in Q15 and steps
 
 /* One row as its level is fed: values in that order, and what they are multiplied with at most. */
 typedef struct {
     float weight[ROWS_MAX]; ///< for values of at most 1 in size
     uint32_t count;
     float bias;
+    float sum;     ///< of the weights' sizes
+    float largest; ///< of them
 } row_t;
 
 /* A row's weights and bias in whole numbers. */
@@ -41,11 +43,23 @@ typedef struct {
 } inputs_t;
 
 static float size_of(float value) {
-    return (value < 0.0F) ? -value : value;
+    return elmopp_with_sign(value, 1.0F);
+}
+
+/* Of two sizes, by bits: those of floats without a sign are in their order. */
+static float larger(float one, float other) {
+    uint32_t one_bits;
+    uint32_t other_bits;
+    (void)memcpy(&one_bits, &one, sizeof one_bits);
+    (void)memcpy(&other_bits, &other, sizeof other_bits);
+    const uint32_t bits = (one_bits > other_bits) ? one_bits : other_bits;
+    float result;
+    (void)memcpy(&result, &bits, sizeof result);
+    return result;
 }
 
 static int32_t nearest(float value) {
-    return (int32_t)(value + ((value < 0.0F) ? -0.5F : 0.5F));
+    return (int32_t)(value + elmopp_with_sign(0.5F, value));
 }
 
 static void look_at_inputs(const float low[ELMOPP_LSTM_INPUTS], const float high[ELMOPP_LSTM_INPUTS], inputs_t *out) {
@@ -56,29 +70,39 @@ static void look_at_inputs(const float low[ELMOPP_LSTM_INPUTS], const float high
     }
 }
 
+/* Adds the next weight to a row, and what it says of the row's sizes. */
+static void add(row_t *row, float weight) {
+    const float size = size_of(weight);
+    row->weight[row->count] = weight;
+    row->count++;
+    row->sum += size;
+    row->largest = larger(size, row->largest);
+}
+
 /* A row of the outermost level, fed its hidden values, then its inputs. */
 static void take_outer(const elmopp_lstm_f32_outer_t *level, const inputs_t *inputs, uint32_t column, row_t *row) {
-    row->count = ELMOPP_LSTM_OUTER_ROWS;
     row->bias = level->bias[column];
     for (uint32_t k = 0U; k < UNITS; k++) {
-        row->weight[k] = level->row[ELMOPP_LSTM_INPUTS + k][column];
+        add(row, level->row[ELMOPP_LSTM_INPUTS + k][column]);
     }
     for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
-        row->weight[UNITS + k] = level->row[k][column] * inputs->half[k];
+        add(row, level->row[k][column] * inputs->half[k]);
         row->bias += level->row[k][column] * inputs->middle[k];
     }
 }
 
 static void take_inner(const elmopp_lstm_f32_inner_t *level, uint32_t column, row_t *row) {
-    row->count = ELMOPP_LSTM_INNER_ROWS;
     row->bias = level->bias[column];
     for (uint32_t k = 0U; k < ELMOPP_LSTM_INNER_ROWS; k++) {
-        row->weight[k] = level->row[k][column];
+        add(row, level->row[k][column]);
     }
 }
 
 static void take(const elmopp_lstm_f32_weights_t *weights, const inputs_t *inputs, uint32_t level, uint32_t column,
                  row_t *row) {
+    row->count = 0U;
+    row->sum = 0.0F;
+    row->largest = 0.0F;
     if (level == 0U) {
         take_outer(&weights->outer, inputs, column, row);
     } else {
@@ -86,28 +110,16 @@ static void take(const elmopp_lstm_f32_weights_t *weights, const inputs_t *input
     }
 }
 
-static float sum_of(const row_t *row) {
-    float sum = 0.0F;
-    for (uint32_t k = 0U; k < row->count; k++) {
-        sum += size_of(row->weight[k]);
-    }
-    return sum;
-}
-
-/* What the row's weights are multiplied with: neither a weight nor their sum may be too large. */
-static float factor_of(const row_t *row) {
-    float largest = WEIGHT_MAX / FACTOR_MAX;
-    for (uint32_t k = 0U; k < row->count; k++) {
-        largest = elmopp_greater(largest, size_of(row->weight[k]));
-    }
-    const float sum = elmopp_greater(SUM_GOAL / FACTOR_MAX, sum_of(row));
-    return elmopp_lesser(WEIGHT_MAX / largest, SUM_GOAL / sum);
+/* What one step of the row's weights stands for: neither a weight nor their sum may be too large. */
+static float step_of(const row_t *row) {
+    return larger(larger(row->largest / WEIGHT_MAX, row->sum / SUM_GOAL), STEP_MIN);
 }
 
 /* A sigmoid's table is read with half of what the row says. */
 static void quantize_row(const row_t *row, bool is_sigmoid, quantized_t *out) {
     const float part = is_sigmoid ? 0.5F : 1.0F;
-    const float factor = factor_of(row);
+    const float step = step_of(row);
+    const float factor = 1.0F / step;
     int32_t sum = 0;
     for (uint32_t k = 0U; k < row->count; k++) {
         const int32_t weight = nearest(row->weight[k] * factor);
@@ -115,7 +127,7 @@ static void quantize_row(const row_t *row, bool is_sigmoid, quantized_t *out) {
         out->weight[k] = (int16_t)weight;
     }
     ELMOPP_ASSERT(sum <= ELMOPP_LSTM_Q15_SUM_MAX);
-    out->scale = nearest((part * SCALE_ONE) / factor);
+    out->scale = nearest((part * SCALE_ONE) * step);
     out->bias = nearest(row->bias * (part * REACH_ONE));
 }
 
@@ -146,7 +158,7 @@ static elmopp_lstm_quantized_t judge(const elmopp_lstm_f32_weights_t *weights, c
         for (uint32_t column = 0U; column < GATES; column++) {
             row_t row;
             take(weights, inputs, level, column, &row);
-            const float reach = size_of(row.bias) + sum_of(&row);
+            const float reach = size_of(row.bias) + row.sum;
             if (!(reach < ELMOPP_LSTM_QUANTIZE_REACH_MAX)) {
                 return (elmopp_lstm_quantized_t){.made = false, .level = level, .column = column, .reach = reach};
             }

@@ -32,7 +32,7 @@ from safetensors.numpy import save_file  # noqa: E402
 
 GOLDEN = ROOT / "tests" / "golden" / "q15_models.safetensors"
 SHAPE = Shape(inputs=4, outputs=4, units=16, levels=1)
-UPDATES = 1000
+UPDATES = 1200
 MODELS_EACH = 4
 TRAJECTORIES_EACH = 24
 INFLOW_SEED = 4_000_000_002
@@ -43,11 +43,12 @@ STARTS_EVERY_S = 20
 
 
 def two_sines(seed: int) -> Series:
-    """Four inputs of the same two periods, around 1.2: those and the amplitudes are the seed's, phases the trajectory's."""
+    """Four inputs of the same two periods, around 1.2. The seed's are periods, amplitudes and how far the inputs are
+    apart, a trajectory's own where each sine begins."""
     random = np.random.default_rng(seed)
     periods_s = np.array([[random.uniform(25.0, 50.0)], [random.uniform(60.0, 110.0)]])
-    amplitudes = np.stack([random.uniform(0.4, 0.7, 4), random.uniform(0.3, 0.5, 4)])
-    phases = random.uniform(0.0, 2.0 * np.pi, (TRAJECTORIES_EACH, 2, 4))
+    amplitudes = np.stack([random.uniform(0.5, 0.7, 4), random.uniform(0.3, 0.5, 4)])
+    phases = random.uniform(0.0, 2.0 * np.pi, (2, 4)) + random.uniform(0.0, 2.0 * np.pi, (TRAJECTORIES_EACH, 2, 1))
     second = np.arange(10_000.0)[None, :, None, None]
     waves = amplitudes * np.sin(2.0 * np.pi * second / periods_s + phases[:, None])
     return np.maximum(1.2 + waves.sum(axis=2), 0.0).astype(np.float32)
@@ -90,8 +91,8 @@ def main(arguments: list[str]) -> int:
     tensors: dict[str, np.ndarray] = {}
     for number in range(MODELS_EACH):
         own = inflow[number * TRAJECTORIES_EACH : (number + 1) * TRAJECTORIES_EACH]
-        tensors |= make(f"inflow{number}", own, seed=number)
         tensors |= make(f"sines{number}", two_sines(number), seed=MODELS_EACH + number)
+        tensors |= make(f"inflow{number}", own, seed=number)
     save_file(tensors, GOLDEN)
     return 0
 

@@ -98,11 +98,11 @@ def _level(number: int, weight: Single, bias: Single) -> Level:
     for column in range(GATES):
         if not reach[column] < REACH_MAX:
             raise RefusedError(number, column, float(reach[column]))
-    most, goal, finest = np.float32(32767.0), np.float32(65500.0), np.float32(4194304.0)
-    largest = np.maximum(most / finest, np.abs(weight).max(axis=1)).astype(np.float32)
-    factor = np.minimum(most / largest, goal / np.maximum(goal / finest, sums)).astype(np.float32)
+    largest = (np.abs(weight).max(axis=1) / np.float32(32767.0)).astype(np.float32)
+    step = np.maximum(np.maximum(largest, (sums / np.float32(65500.0)).astype(np.float32)), np.float32(2.0**-22))
+    factor = (np.float32(1.0) / step).astype(np.float32)
     part = np.where(np.arange(GATES) < FIRST_TANH, np.float32(0.5), np.float32(1.0)).astype(np.float32)
-    scale = _nearest((part * np.float32(2.0**38) / factor).astype(np.float32))
+    scale = _nearest(((part * np.float32(2.0**38)).astype(np.float32) * step).astype(np.float32))
     return Level(
         weight=_nearest((weight * factor[:, None]).astype(np.float32)),
         scale=scale,

@@ -94,7 +94,7 @@ typedef struct {
     float movement_mean_veh[ELMOPP_MOVEMENT_MAX];
     float share[ELMOPP_MOVEMENT_MAX];
     float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second
-    elmopp_lstm_q15_weights_t q15; ///< for lstm-q15 and nlstm-q15: made of the weights
+    elmopp_lstm_q15_weights_t q15;                               ///< for lstm-q15 and nlstm-q15: made of the weights
     elmopp_forecast_memory_t memory[ELMOPP_FORECAST_GROUP_MAX];
     elmopp_gcn_f32_graph_t graph; ///< of the approaches
     elmopp_account_t account;
