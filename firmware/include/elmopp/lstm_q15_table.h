@@ -13,7 +13,7 @@
 ///
 /// S counts from the even end of the stretch, so no other bits have to be cut out of r. The first and the last slope
 /// are 0. Results: sigmoid 0..2^31 - 1 and tanh less than 2^31 - 2^15 in size, so that no product of two leaves its
-/// word. Error at most ELMOPP_LSTM_Q15_TABLE_ERROR, rounding included (tests/test_lstm_q15.c tries every reach).
+/// word. Error at most ELMOPP_LSTM_Q15_TABLE_ERROR, rounding included (tests/test_lstm_q15.c tries each seventh reach).
 
 #ifndef ELMOPP_LSTM_Q15_TABLE_H
 #define ELMOPP_LSTM_Q15_TABLE_H
