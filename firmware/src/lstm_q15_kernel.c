@@ -14,10 +14,13 @@
 #define CELL_MAX INT32_MAX
 #define CELL_MIN INT32_MIN
 
+#define LIFT_BITS 62U /* no product of two results, and no other value here, is larger in size than 2^62 */
+
 /* value / 2^bits, rounded down. C leaves open what a shift does to a negative number: shifted is a positive one. */
 static inline int64_t shift_down(int64_t value, uint32_t bits) {
-    const uint64_t lifted = (uint64_t)value + ((uint64_t)1U << 63U);
-    return (int64_t)(lifted >> bits) - (int64_t)((uint64_t)1U << (63U - bits));
+    const uint64_t lift = (uint64_t)1U << LIFT_BITS;
+    const uint64_t lifted = (uint64_t)(value + (int64_t)lift);
+    return (int64_t)(lifted >> bits) - (int64_t)(lift >> bits);
 }
 
 /* The product of two words / 2^bits, rounded to nearest. */
@@ -32,7 +35,8 @@ static inline int32_t high(int32_t a, int32_t b) {
 
 /* The lower half of a word, with its sign. */
 static inline int32_t lower_half(int32_t word) {
-    const uint32_t lifted = ((uint32_t)word ^ 0x8000U) & 0xFFFFU;
+    const int64_t positive = (int64_t)word - INT32_MIN;
+    const uint32_t lifted = ((uint32_t)positive ^ 0x8000U) & 0xFFFFU;
     return (int32_t)lifted - 0x8000;
 }
 

@@ -32,7 +32,7 @@ from safetensors.numpy import save_file  # noqa: E402
 
 GOLDEN = ROOT / "tests" / "golden" / "q15_models.safetensors"
 SHAPE = Shape(inputs=4, outputs=4, units=16, levels=1)
-UPDATES = 1200
+UPDATES = 1000
 MODELS_EACH = 4
 TRAJECTORIES_EACH = 24
 INFLOW_SEED = 4_000_000_002
@@ -40,6 +40,7 @@ ABSORBED_S = 60
 FREE_S = 60
 SD_MIN = 0.3
 STARTS_EVERY_S = 20
+STARTS_TRIED = 50
 
 
 def two_sines(seed: int) -> Series:
@@ -54,22 +55,28 @@ def two_sines(seed: int) -> Series:
     return np.maximum(1.2 + waves.sum(axis=2), 0.0).astype(np.float32)
 
 
-def liveliest_start(series: Series) -> int:
-    """Where, in a trajectory [second, input], the seconds after the absorbed ones move most in their calmest input."""
+def liveliest_starts(series: Series) -> list[int]:
+    """Of a trajectory [second, input], liveliest first: how much the calmest input moves after the absorbed seconds."""
     starts = range(0, len(series) - ABSORBED_S - FREE_S, STARTS_EVERY_S)
-    return max(starts, key=lambda at: float(series[at + ABSORBED_S : at + ABSORBED_S + FREE_S].std(axis=0).min()))
+
+    def movement(at: int) -> float:
+        return float(series[at + ABSORBED_S : at + ABSORBED_S + FREE_S].std(axis=0).min())
+
+    return sorted(starts, key=movement, reverse=True)
 
 
 def make(name: str, series: Series, seed: int) -> dict[str, np.ndarray]:
-    """One model's tensors, `name` before each."""
+    """One model's tensors, `name` before each, with the liveliest traffic on which its own free run lives, too."""
     bounds = clamp(series)
     parameters = train(Course(SHAPE, UPDATES, seed), series[:-1], bounds, lambda text: print(f"{name}: {text}"))
-    start = liveliest_start(series[-1])
-    absorbed = series[-1, start : start + ABSORBED_S]
-    state, _ = absorb(parameters, zero_state(SHAPE, 1), jnp.asarray(absorbed)[:, None, :])
-    free = np.asarray(free_run(parameters, state, FREE_S, jnp.asarray(bounds[0]), jnp.asarray(bounds[1])))
-    print(f"{name}: free run's standard deviation {free.std(axis=0).min():.3f} to {free.std(axis=0).max():.3f}")
-    if free.std(axis=0).min() < SD_MIN:
+    for start in liveliest_starts(series[-1])[:STARTS_TRIED]:
+        absorbed = series[-1, start : start + ABSORBED_S]
+        state, _ = absorb(parameters, zero_state(SHAPE, 1), jnp.asarray(absorbed)[:, None, :])
+        free = np.asarray(free_run(parameters, state, FREE_S, jnp.asarray(bounds[0]), jnp.asarray(bounds[1])))
+        print(f"{name}: free run's standard deviation {free.std(axis=0).min():.3f} to {free.std(axis=0).max():.3f}")
+        if free.std(axis=0).min() >= SD_MIN:
+            break
+    else:
         raise SystemExit(f"make_q15_models: {name} dies down; right would be a standard deviation of {SD_MIN}")
     tensors = {
         "outer.weight": parameters.levels[0]["weight"],
