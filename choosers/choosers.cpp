@@ -155,8 +155,9 @@ const std::vector<ChooserKind> &chooser_kinds() {
 }
 
 const std::vector<std::string> &forecast_names() {
-    static const std::vector<std::string> names{"none", "mean",  "persistence", "ewma", "ar8",
-                                                "lstm", "nlstm", "ann",         "gcn",  "oracle"};
+    // In the order of ELMOPP_FORECAST_*, and then what is none of the firmware's.
+    static const std::vector<std::string> names{"none",  "mean", "persistence", "ewma",     "ar8",       "lstm",
+                                                "nlstm", "ann",  "gcn",         "lstm-q15", "nlstm-q15", "oracle"};
     return names;
 }
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <system_error>
 #include <vector>
 
@@ -19,10 +20,10 @@ extern "C" {
 namespace elmopp {
 
 const elmopp_weights_t *shipped_weights(const std::string &forecast) {
-    if (forecast == "lstm" || forecast == "ann" || forecast == "gcn") {
+    if (forecast == "lstm" || forecast == "lstm-q15" || forecast == "ann" || forecast == "gcn") {
         return &elmopp_weights_lstm;
     }
-    return forecast == "nlstm" ? &elmopp_weights_nlstm : nullptr;
+    return forecast == "nlstm" || forecast == "nlstm-q15" ? &elmopp_weights_nlstm : nullptr;
 }
 
 elmopp_weights_t weights_of_image(const std::uint8_t *image, std::size_t length) {
@@ -53,7 +54,13 @@ elmopp_weights_t read_weights(const std::filesystem::path &file) {
 }
 
 std::vector<std::string> network_names(const elmopp_weights_t &weights) {
-    return {weights.lstm.levels == 1 ? "lstm" : "nlstm", "ann", "gcn"};
+    const std::string recurrent = weights.lstm.levels == 1 ? "lstm" : "nlstm";
+    std::vector<std::string> names{recurrent};
+    if (elmopp_forecast_quantized(&weights).made) {
+        names.push_back(recurrent + "-q15");
+    }
+    names.insert(names.end(), {"ann", "gcn"});
+    return names;
 }
 
 bool can_forecast(const elmopp_weights_t &weights, const std::string &forecast) {
@@ -63,7 +70,23 @@ bool can_forecast(const elmopp_weights_t &weights, const std::string &forecast) 
 
 std::string networks_in(const elmopp_weights_t &weights) {
     const auto names = network_names(weights);
-    return names[0] + ", " + names[1] + " or " + names[2];
+    std::string text = names.front();
+    for (std::size_t k = 1; k < names.size(); ++k) {
+        text += (k + 1 < names.size() ? ", " : " or ") + names[k];
+    }
+    return text;
+}
+
+std::string overflow_of(const elmopp_weights_t &weights) {
+    const elmopp_lstm_quantized_t found = elmopp_forecast_quantized(&weights);
+    if (found.made) {
+        return "";
+    }
+    const std::string gate = std::string("ifog").substr(found.column / ELMOPP_LSTM_UNITS, 1);
+    std::ostringstream text;
+    text << "level " << found.level << ", gate " << gate << " of unit " << found.column % ELMOPP_LSTM_UNITS
+         << " could reach " << found.reach << ", in whole numbers less than " << ELMOPP_LSTM_QUANTIZE_REACH_MAX;
+    return text.str();
 }
 
 } // namespace elmopp

@@ -24,7 +24,8 @@ elmopp_weights_t weights_of_image(const std::uint8_t *image, std::size_t length)
 /// Reads an ELMW image for the option `--weights`. Throws BadRequest naming what is wrong with it.
 elmopp_weights_t read_weights(const std::filesystem::path &file);
 
-/// Which forecasts can use such weights: `lstm` with one level, otherwise `nlstm`; and `ann` and `gcn`.
+/// Which forecasts can use such weights: `lstm` with one level, otherwise `nlstm`; the same with `-q15`, unless a row
+/// could overflow; and `ann` and `gcn`.
 std::vector<std::string> network_names(const elmopp_weights_t &weights);
 
 /// Whether a forecast is one of them.
@@ -32,5 +33,8 @@ bool can_forecast(const elmopp_weights_t &weights, const std::string &forecast);
 
 /// The same names in words, for a message.
 std::string networks_in(const elmopp_weights_t &weights);
+
+/// Why the recurrent network's weights cannot be used in whole numbers: the row that could overflow. Empty if they can.
+std::string overflow_of(const elmopp_weights_t &weights);
 
 } // namespace elmopp

@@ -29,7 +29,8 @@ constexpr std::array<std::size_t, 4> horizons_s{1, 10, 30, 60};
 constexpr int digits = 6;
 
 const std::vector<std::string> &judged() {
-    static const std::vector<std::string> names{"mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "ann", "gcn"};
+    static const std::vector<std::string> names{"mean",  "persistence", "ewma",      "ar8", "lstm",
+                                                "nlstm", "lstm-q15",    "nlstm-q15", "ann", "gcn"};
     return names;
 }
 

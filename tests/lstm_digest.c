@@ -12,6 +12,8 @@
 #include "elmopp/elementary.h"
 #include "elmopp/gcn_f32.h"
 #include "elmopp/lstm_f32.h"
+#include "elmopp/lstm_q15.h"
+#include "elmopp/lstm_quantize.h"
 #include "random.h"
 
 #include <stdbool.h>
@@ -31,6 +33,8 @@
 
 static elmopp_lstm_f32_weights_t weights;
 static elmopp_lstm_f32_state_t state;
+static elmopp_lstm_q15_weights_t whole_weights;
+static elmopp_lstm_q15_state_t whole_state;
 static elmopp_ann_f32_weights_t ann;
 static elmopp_gcn_f32_weights_t gcn;
 
@@ -46,6 +50,13 @@ static void take(uint64_t *digest, const float *values, size_t count) {
         for (uint32_t shift = 0U; shift < 32U; shift += 8U) {
             *digest = (*digest ^ ((bits >> shift) & 0xFFU)) * FNV_PRIME;
         }
+    }
+}
+
+static void take_bytes(uint64_t *digest, const void *bytes, size_t count) {
+    const uint8_t *byte = bytes;
+    for (size_t i = 0U; i < count; i++) {
+        *digest = (*digest ^ byte[i]) * FNV_PRIME;
     }
 }
 
@@ -109,6 +120,32 @@ static void print_lstm(uint32_t levels) {
     }
     print_digest(driven_name[levels - 1U], driven);
     print_digest(free_name[levels - 1U], freely);
+}
+
+/* The same in whole numbers: the weights made of the float ones, driven beyond their range, too, and on its own. */
+static void print_whole_lstm(uint32_t levels) {
+    static const char *const name[] = {"lstm-q15-1", "lstm-q15-2", "lstm-q15-3"};
+    static const float low[ELMOPP_LSTM_INPUTS] = {-3.5F, -3.5F, -3.5F, -3.5F};
+    static const float high[ELMOPP_LSTM_INPUTS] = {3.75F, 3.75F, 3.75F, 3.75F};
+    uint64_t digest = FNV_BASIS;
+    uint64_t random = 200U + levels;
+    float input[ELMOPP_LSTM_INPUTS];
+    make_weights(levels);
+    if (!elmopp_lstm_quantize(&weights, low, high, &whole_weights).made) {
+        exit(1);
+    }
+    take_bytes(&digest, &whole_weights, sizeof whole_weights);
+    (void)memset(&whole_state, 0, sizeof whole_state);
+    for (uint32_t i = 0U; i < (DRIVEN_STEPS + FREE_STEPS); i++) {
+        if (i < DRIVEN_STEPS) {
+            fill(&random, input, ELMOPP_LSTM_INPUTS, 4.0F);
+        }
+        elmopp_lstm_q15_step(&whole_weights, &whole_state, input);
+        elmopp_lstm_q15_output(&whole_weights, &whole_state, input);
+        take_bytes(&digest, &whole_state, sizeof whole_state);
+        take(&digest, input, ELMOPP_LSTM_INPUTS);
+    }
+    print_digest(name[levels - 1U], digest);
 }
 
 /* Units are neither shut nor linear, and the windows stay near the random ones that they begin with. */
@@ -183,6 +220,9 @@ int main(void) {
     print_function("sigmoid", elmopp_sigmoid);
     for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
         print_lstm(levels);
+    }
+    for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
+        print_whole_lstm(levels);
     }
     make_window_weights();
     print_windows("ann", false);

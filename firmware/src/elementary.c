@@ -45,35 +45,11 @@ void elmopp_average(float *mean, float value, uint32_t seen, uint32_t window) {
     *mean += (value - *mean) / (float)weight;
 }
 
-#define SIGN_BIT 0x80000000U
-
-static inline uint32_t bits_of(float x) {
-    uint32_t bits;
-    (void)memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static inline float float_of(uint32_t bits) {
-    float x;
-    (void)memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
-/* x within [-limit, limit] by whole numbers: floats of one sign are in the order of their bits. A comparison of floats
- * would be a branch on a Cortex-M4. */
-static inline float bound(float x, float limit) {
-    const uint32_t limit_bits = bits_of(limit);
-    const uint32_t bits = bits_of(x);
-    const uint32_t size = bits & ~SIGN_BIT;
-    const uint32_t bounded = (size < limit_bits) ? size : limit_bits;
-    return float_of((bits & SIGN_BIT) | bounded);
-}
-
 /* x P(x^2) / Q(x^2), P of degree 3 and Q of degree 4: the quotient with the least relative error on [0, 7.9], 1.3e-7
  * before rounding, found by weighted least squares (Lawson). Cut in pairs (Estrin), so that a processor can overlap
  * them. */
 static inline float tanh_of(float x) {
-    const float bounded = bound(x, ELMOPP_TANH_MAX);
+    const float bounded = elmopp_bounded(x, ELMOPP_TANH_MAX);
     const float square = bounded * bounded;
     const float fourth = square * square;
     const float above =

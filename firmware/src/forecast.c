@@ -36,8 +36,16 @@ static void update_shares(elmopp_forecast_t *self) {
     }
 }
 
+bool elmopp_forecast_is_nested(uint8_t kind) {
+    return (kind == (uint8_t)ELMOPP_FORECAST_NLSTM) || (kind == (uint8_t)ELMOPP_FORECAST_NLSTM_Q15);
+}
+
+static bool is_q15(uint8_t kind) {
+    return (kind == (uint8_t)ELMOPP_FORECAST_LSTM_Q15) || (kind == (uint8_t)ELMOPP_FORECAST_NLSTM_Q15);
+}
+
 static bool is_recurrent(uint8_t kind) {
-    return (kind == (uint8_t)ELMOPP_FORECAST_LSTM) || (kind == (uint8_t)ELMOPP_FORECAST_NLSTM);
+    return (kind == (uint8_t)ELMOPP_FORECAST_LSTM) || is_q15(kind) || elmopp_forecast_is_nested(kind);
 }
 
 bool elmopp_forecast_is_network(uint8_t kind) {
@@ -49,8 +57,32 @@ bool elmopp_forecast_fits(uint8_t kind, const elmopp_weights_t *weights) {
         (elmopp_weights_check(weights) != ELMOPP_WEIGHTS_OK)) {
         return false;
     }
-    const bool plain = weights->lstm.levels == 1U;
-    return ((kind != (uint8_t)ELMOPP_FORECAST_LSTM) || plain) && ((kind != (uint8_t)ELMOPP_FORECAST_NLSTM) || (!plain));
+    const bool nested = weights->lstm.levels > 1U;
+    if (is_recurrent(kind) && (nested != elmopp_forecast_is_nested(kind))) {
+        return false;
+    }
+    return (!is_q15(kind)) || elmopp_forecast_quantized(weights).made;
+}
+
+/* An input without an approach is 0, whatever the clamp. */
+static const float least_input[ELMOPP_LSTM_INPUTS] = {0.0F, 0.0F, 0.0F, 0.0F};
+
+elmopp_lstm_quantized_t elmopp_forecast_quantized(const elmopp_weights_t *weights) {
+    return elmopp_lstm_quantize_check(&weights->lstm, least_input, weights->high);
+}
+
+bool elmopp_forecast_renew(elmopp_forecast_t *self) {
+    const elmopp_weights_t *weights = self->config.weights;
+    const bool fits = elmopp_forecast_fits(self->config.kind, weights);
+    if (is_q15(self->config.kind)) {
+        if (fits) {
+            (void)elmopp_lstm_quantize(&weights->lstm, least_input, weights->high, &self->q15);
+            self->armed = true;
+        }
+    } else {
+        self->armed = fits;
+    }
+    return fits;
 }
 
 /* The signal groups of an approach, and those that conflict with one of them. */
@@ -90,7 +122,7 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
     ELMOPP_ASSERT(config->kind < (uint8_t)ELMOPP_FORECAST_COUNT);
     ELMOPP_ASSERT((config->kind != (uint8_t)ELMOPP_FORECAST_AR8) || (config->ar8 != NULL));
     *self = (elmopp_forecast_t){.config = *config, .junction = junction};
-    self->armed = elmopp_forecast_fits(config->kind, config->weights);
+    (void)elmopp_forecast_renew(self);
     join_approaches(&self->graph, junction);
     update_shares(self);
 }
@@ -101,6 +133,25 @@ static float scale_of(const elmopp_forecast_t *self, uint32_t approach) {
 
 static uint32_t group_count(const elmopp_forecast_t *self) {
     return (self->junction->approach_count + ELMOPP_FORECAST_GROUP_SIZE - 1U) / ELMOPP_FORECAST_GROUP_SIZE;
+}
+
+/* A recurrent network's step and its head, in the arithmetic of the kind. */
+static void step(const elmopp_forecast_t *self, elmopp_forecast_memory_t *memory,
+                 const float input[ELMOPP_FORECAST_GROUP_SIZE]) {
+    if (is_q15(self->config.kind)) {
+        elmopp_lstm_q15_step(&self->q15, &memory->q15, input);
+    } else {
+        elmopp_lstm_f32_step(&self->config.weights->lstm, &memory->f32, input);
+    }
+}
+
+static void say(const elmopp_forecast_t *self, const elmopp_forecast_memory_t *memory,
+                float output[ELMOPP_FORECAST_GROUP_SIZE]) {
+    if (is_q15(self->config.kind)) {
+        elmopp_lstm_q15_output(&self->q15, &memory->q15, output);
+    } else {
+        elmopp_lstm_f32_output(&self->config.weights->lstm, &memory->f32, output);
+    }
 }
 
 /* A recurrent network sees one second. Inputs without an approach, or without any demand, are 0. */
@@ -115,7 +166,7 @@ static void remember(elmopp_forecast_t *self) {
                 input[k] = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
             }
         }
-        elmopp_lstm_f32_step(&weights->lstm, &self->memory[group], input);
+        step(self, &self->memory[group], input);
     }
 }
 
@@ -178,11 +229,11 @@ static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uin
 }
 
 /* Runs one group's recurrent network on its own output, from a copy of its memory. */
-static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_lstm_f32_state_t memory, uint32_t steps) {
+static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_forecast_memory_t memory, uint32_t steps) {
     const elmopp_weights_t *weights = self->config.weights;
     for (uint32_t t = 0U; t < steps; t++) {
         float next[ELMOPP_FORECAST_GROUP_SIZE];
-        elmopp_lstm_f32_output(&weights->lstm, &memory, next);
+        say(self, &memory, next);
         for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
             const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
             if (approach < self->junction->approach_count) {
@@ -193,7 +244,7 @@ static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_lst
             }
         }
         if ((t + 1U) < steps) {
-            elmopp_lstm_f32_step(&weights->lstm, &memory, next);
+            step(self, &memory, next);
         }
     }
 }

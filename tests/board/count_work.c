@@ -10,7 +10,10 @@
 ///   thousand           a thousand instructions of one cycle
 ///   lstm_f32_step      a step of the plain LSTM, over weights, inputs and states from zero to 1e30 and subnormal ones
 ///   nlstm3_f32_step    the same of three nested levels
+///   lstm_q15_step, nlstm3_q15_step    the same in whole numbers; weights of any that a row may have
 ///   rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches
+///   rollout60_q15      the same, kind lstm-q15
+///   quantize, quantize3    elmopp_lstm_quantize() of one level and of three
 ///   tick_worst.C[:F]   elmopp_pilot_step() and a lamp tick, chooser C with forecast F at its own horizon (where
 ///   nothing
 ///                      is said, lstm for cumulative and rollout; the others look at none), eight stages, twelve
@@ -52,6 +55,8 @@ typedef enum {
 static uint64_t seed = 1U;
 static elmopp_lstm_f32_weights_t weights;
 static elmopp_lstm_f32_state_t state;
+static elmopp_lstm_q15_weights_t whole_weights;
+static elmopp_lstm_q15_state_t whole_state;
 static float input[ELMOPP_LSTM_INPUTS];
 
 /* --- numbers --- */
@@ -103,6 +108,51 @@ static void count_steps(const char *key, uint32_t levels) {
     }
 }
 
+/* Any weight of 16 bits, any scale and bias that a row may have. */
+static void make_whole_weights(uint32_t levels) {
+    static const float low[ELMOPP_LSTM_INPUTS] = {-4.0F, -4.0F, -4.0F, -4.0F};
+    static const float high[ELMOPP_LSTM_INPUTS] = {4.0F, 4.0F, 4.0F, 4.0F};
+    (void)elmopp_lstm_quantize(&weights, low, high, &whole_weights);
+    whole_weights.levels = levels;
+}
+
+static void fill_whole(int32_t *values, uint32_t count, values_t kind) {
+    static const uint32_t size_bits[VALUES_COUNT] = {1U, 22U, 27U, 31U, 4U};
+    for (uint32_t i = 0U; i < count; i++) {
+        const int32_t size = (int32_t)random_below(&seed, (uint32_t)1U << size_bits[kind]);
+        values[i] = (random_below(&seed, 2U) == 0U) ? size : -size;
+    }
+}
+
+static void count_whole_steps(const char *key, uint32_t levels) {
+    for (uint32_t i = 0U; i < STEP_CASES; i++) {
+        const values_t kind = (values_t)((i / VALUES_COUNT) % VALUES_COUNT);
+        make_weights(levels, ((i % 4U) == 3U) ? VALUES_ZERO : VALUES_ORDINARY);
+        make_whole_weights(levels);
+        fill(input, ELMOPP_LSTM_INPUTS, (values_t)(i % VALUES_COUNT));
+        fill_whole(whole_state.cell[0], ELMOPP_LSTM_LEVELS_MAX * ELMOPP_LSTM_UNITS, kind);
+        for (uint32_t r = 0U; r < ELMOPP_LSTM_UNITS; r++) {
+            whole_state.hidden[r] = (int16_t)(random_below(&seed, 65535U) - 32767);
+        }
+        COUNT_BEGIN();
+        elmopp_lstm_q15_step(&whole_weights, &whole_state, input);
+        COUNT_END();
+        (void)puts(key);
+    }
+}
+
+static void count_quantizing(const char *key, uint32_t levels) {
+    static const float low[ELMOPP_LSTM_INPUTS] = {0.0F, 0.0F, 0.0F, 0.0F};
+    static const float high[ELMOPP_LSTM_INPUTS] = {4.0F, 4.0F, 4.0F, 4.0F};
+    for (uint32_t i = 0U; i < FREE_RUNS; i++) {
+        make_weights(levels, ((i % 4U) == 3U) ? VALUES_ZERO : VALUES_ORDINARY);
+        COUNT_BEGIN();
+        (void)elmopp_lstm_quantize(&weights, low, high, &whole_weights);
+        COUNT_END();
+        (void)puts(key);
+    }
+}
+
 /* Arrivals of a second: some of few, some of many, never the same. */
 static void arrive(float *arrived_veh, uint32_t movements) {
     for (uint32_t j = 0U; j < movements; j++) {
@@ -110,9 +160,9 @@ static void arrive(float *arrived_veh, uint32_t movements) {
     }
 }
 
-static void count_free_runs(void) {
+static void count_free_runs(const char *key, uint8_t kind) {
     static elmopp_forecast_t forecast;
-    const elmopp_forecast_config_t config = {.kind = ELMOPP_FORECAST_LSTM, .weights = &elmopp_weights_lstm};
+    const elmopp_forecast_config_t config = {.kind = kind, .weights = &elmopp_weights_lstm};
     const float *rows[ELMOPP_APPROACH_MAX];
     float arrived_veh[ELMOPP_MOVEMENT_MAX];
     elmopp_forecast_init(&forecast, &elmopp_site_paper, &config);
@@ -123,7 +173,7 @@ static void count_free_runs(void) {
             COUNT_BEGIN();
             (void)elmopp_forecast_look(&forecast, ELMOPP_PILOT_TRACE_S, rows);
             COUNT_END();
-            (void)puts("rollout60_f32");
+            (void)puts(key);
         }
     }
 }
@@ -174,7 +224,7 @@ static elmopp_chooser_t make_rollout(void) {
 static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elmopp_junction_t *site) {
     static elmopp_junction_t junction;
     static elmopp_pilot_t pilot;
-    const bool nested = kind == (uint8_t)ELMOPP_FORECAST_NLSTM;
+    const bool nested = elmopp_forecast_is_nested(kind);
     const elmopp_forecast_config_t forecast = {.kind = kind,
                                                .weights = nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm};
     float present_veh[ELMOPP_MOVEMENT_MAX];
@@ -291,14 +341,22 @@ int main(int argc, char **argv) {
     (void)puts("thousand");
     count_steps("lstm_f32_step", 1U);
     count_steps("nlstm3_f32_step", ELMOPP_LSTM_LEVELS_MAX);
-    count_free_runs();
+    count_whole_steps("lstm_q15_step", 1U);
+    count_whole_steps("nlstm3_q15_step", ELMOPP_LSTM_LEVELS_MAX);
+    count_quantizing("quantize", 1U);
+    count_quantizing("quantize3", ELMOPP_LSTM_LEVELS_MAX);
+    count_free_runs("rollout60_f32", ELMOPP_FORECAST_LSTM);
+    count_free_runs("rollout60_q15", ELMOPP_FORECAST_LSTM_Q15);
     count_ticks("tick_worst.naive", make_naive, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
     count_ticks("tick_worst.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
     count_ticks("tick_worst.cumulative:nlstm", make_cumulative, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.cumulative:nlstm-q15", make_cumulative, ELMOPP_FORECAST_NLSTM_Q15, &elmopp_site_paper);
     count_ticks("tick_worst.pressure", make_pressure, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
     count_ticks("tick_worst.priced", make_priced, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
     count_ticks("tick_worst.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
+    count_ticks("tick_worst.rollout:lstm-q15", make_rollout, ELMOPP_FORECAST_LSTM_Q15, &elmopp_site_paper);
+    count_ticks("tick_worst.rollout:nlstm-q15", make_rollout, ELMOPP_FORECAST_NLSTM_Q15, &elmopp_site_paper);
     count_ticks("tick_two_groups.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
     count_ticks("tick_two_groups.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
     count_street((uint8_t)ELMOPP_FORECAST_LSTM);

@@ -5,12 +5,14 @@
 
 Builds the preset cov (clang, source-based coverage with MC/DC), runs every Unity test of the core once, and holds each
 room against its limit: what decides about lamps and believes frames or sites 100 % of everything, all else 95 % of its
-lines. A room that the report lacks fails, and so does a report without a single condition.
+lines. A room that the report lacks fails, but for one that is data alone; and so does a report without a single
+condition.
 """
 
 import argparse
 import json
 import os
+import re
 import subprocess
 import tempfile
 from collections.abc import Sequence
@@ -55,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--show", metavar="ROOM", help="also print the parts of this room that no test reaches")
     parser.add_argument("--markdown", action="store_true", help="the table as docs/measurements.md has it")
     options = parser.parse_args(arguments)
-    rooms = sorted(file.stem for file in ROOMS.glob("*.c"))
+    rooms = sorted(file.stem for file in ROOMS.glob("*.c") if has_functions(file.read_text(encoding="utf-8")))
     if options.show is not None and options.show not in rooms:
         say("coverage", f'"{options.show}" is no room ; right would be one of {", ".join(rooms)}')
         return EXIT_REFUSED
@@ -74,6 +76,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for line in complaints:
         say("coverage", line)
     return EXIT_DIFFERENT if complaints else EXIT_DONE
+
+
+def has_functions(source: str) -> bool:
+    """Whether a C file has anything to run: a parameter list before an opening brace, outside comments."""
+    code = re.sub(r"/\*.*?\*/|//[^\n]*", "", source, flags=re.DOTALL)
+    return re.search(r"\)\s*\{", code) is not None
 
 
 def run(command: Sequence[str], environment: dict[str, str] | None = None) -> str:

@@ -20,11 +20,25 @@ EXIT_REFUSED = 2
 ROOT = Path(__file__).resolve().parents[2]
 
 LEVEL_0 = frozenset(
-    {"assert", "bounds", "chooser", "elementary", "fault", "image", "junction", "lamps", "lstm_kernel", "mode"}
+    {
+        "assert",
+        "bounds",
+        "chooser",
+        "elementary",
+        "fault",
+        "image",
+        "junction",
+        "lamps",
+        "lstm_kernel",
+        "lstm_q15_kernel",
+        "lstm_q15_table",
+        "lstm_shape",
+        "mode",
+    }
 )
 
 # The arithmetic behind the forecasts that learn, on level 1.
-MODELS = frozenset({"ann_f32", "ar8", "gcn_f32", "lstm_f32"})
+MODELS = frozenset({"ann_f32", "ar8", "gcn_f32", "lstm_f32", "lstm_q15"})
 
 # Room: the rooms that it may know besides itself. A room that is not here may not exist.
 ROOMS: dict[str, frozenset[str]] = {
@@ -38,7 +52,10 @@ ROOMS: dict[str, frozenset[str]] = {
     "junction": frozenset({"assert", "bounds"}),
     "lamps": frozenset({"bounds", "junction"}),
     "chooser": frozenset({"bounds", "junction"}),
-    "lstm_kernel": frozenset({"elementary"}),
+    "lstm_shape": frozenset(),
+    "lstm_kernel": frozenset({"elementary", "lstm_shape"}),
+    "lstm_q15_table": frozenset(),
+    "lstm_q15_kernel": frozenset({"lstm_q15_table", "lstm_shape"}),
     # level 1: not each other
     "account": LEVEL_0,
     "age": LEVEL_0,
@@ -48,6 +65,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "gcn_f32": LEVEL_0,
     "link": LEVEL_0,
     "lstm_f32": LEVEL_0,
+    "lstm_q15": LEVEL_0,
     "monitor": LEVEL_0,
     "outflow": LEVEL_0,
     "plan": LEVEL_0,
@@ -56,12 +74,13 @@ ROOMS: dict[str, frozenset[str]] = {
     "timetable": LEVEL_0,
     # level 2: what is learnt, for all models
     "weights": LEVEL_0 | MODELS,
+    "lstm_quantize": LEVEL_0 | {"lstm_f32", "lstm_q15"},
     # who comes, and a model of what follows, for a chooser that plans ahead
     "coming": LEVEL_0 | {"account", "sight"},
     "future": LEVEL_0 | {"account", "coming", "sight"},
     "rollout": LEVEL_0 | {"account", "coming", "future", "sight"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | MODELS | {"account", "outflow", "weights"},
+    "forecast": LEVEL_0 | MODELS | {"account", "lstm_quantize", "outflow", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
@@ -70,7 +89,9 @@ ROOMS: dict[str, frozenset[str]] = {
     # the other side of the bus, a device of its own
     "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
     # level 4: the inner seam
-    "pilot": LEVEL_0 | MODELS | {"account", "forecast", "outflow", "plan", "pressure", "site", "urgency", "weights"},
+    "pilot": LEVEL_0
+    | MODELS
+    | {"account", "forecast", "lstm_quantize", "outflow", "plan", "pressure", "site", "urgency", "weights"},
     # level 5: the outer seam
     "controller": LEVEL_0
     | MODELS
@@ -80,6 +101,7 @@ ROOMS: dict[str, frozenset[str]] = {
         "forecast",
         "frames",
         "link",
+        "lstm_quantize",
         "monitor",
         "outflow",
         "pilot",

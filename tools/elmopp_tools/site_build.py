@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 from elmopp_tools import site_hours
 from elmopp_tools.site_model import (
+    FORECASTS,
     APPROACH_MAX,
     GROUP_MAX,
     MOVEMENT_MAX,
@@ -40,7 +41,6 @@ def build_junction(document: Document) -> Junction:
     approaches = list_names(document["approaches"], "approaches", "ELMOPP_APPROACH_MAX", APPROACH_MAX)
     group_names = list_names(document["groups"], "groups", "ELMOPP_GROUP_MAX", GROUP_MAX)
     list_names(document["movements"], "movements", "ELMOPP_MOVEMENT_MAX", MOVEMENT_MAX)
-    _check_arithmetic(document)
     conflict = _conflict_masks(document["conflicts"], group_names)
     simulation_only = document.get("simulation_only", False)
     stages = _stages(document.get("stages"), conflict, group_names, some_will_do=simulation_only)
@@ -56,7 +56,7 @@ def build_junction(document: Document) -> Junction:
         simulation_only=simulation_only,
         discharge=document.get("discharge", "saturation"),
         chooser=document["chooser"],
-        forecast=document["forecast"],
+        forecast=_forecast(document),
         hold_min_s=int(document["hold_s"][0]),
         hold_max_s=int(document["hold_s"][1]),
         red_bound_ds=tenths("red_bound_s", document.get("red_bound_s", 0)),
@@ -89,10 +89,15 @@ def single(number: float) -> float:
     return rounded + 0.0  # no negative zero
 
 
-def _check_arithmetic(document: Document) -> None:
-    arithmetic = document.get("arithmetic", "float")
-    if arithmetic != "float":
-        raise SiteError("arithmetic is not built", arithmetic, 'only "float" is built')
+def _forecast(document: Document) -> str:
+    """In the firmware's words: a network in whole numbers is a forecast of its own."""
+    forecast: str = document["forecast"]
+    if document.get("arithmetic", "float") == "float":
+        return forecast
+    if f"{forecast}-q15" not in FORECASTS:
+        wrong = f"forecast {forecast} has no arithmetic q15"
+        raise SiteError(wrong, "q15", 'arithmetic = "float", or forecast "lstm" or "nlstm"')
+    return f"{forecast}-q15"
 
 
 def _free_flow(document: Document) -> float:

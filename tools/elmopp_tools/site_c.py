@@ -74,7 +74,7 @@ def _head(junction: Junction) -> list[str]:
         f".simulation_only = {int(junction.simulation_only)}U,",
         f".discharge = ELMOPP_DISCHARGE_{junction.discharge.upper()},",
         f".chooser = ELMOPP_CHOOSER_{junction.chooser.upper()},",
-        f".forecast = ELMOPP_FORECAST_{junction.forecast.upper()},",
+        f".forecast = ELMOPP_FORECAST_{junction.forecast.upper().replace('-', '_')},",
         f".hold_min_s = {junction.hold_min_s}U,",
         f".hold_max_s = {junction.hold_max_s}U,",
         f".red_bound_ds = {junction.red_bound_ds}U,",

@@ -25,7 +25,7 @@ NAME_SIZE = 12
 
 DISCHARGES = ("saturation", "greenshields", "nolock")
 CHOOSERS = ("naive", "cumulative", "pressure", "priced", "rollout")
-FORECASTS = ("none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "ann", "gcn")
+FORECASTS = ("none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "ann", "gcn", "lstm-q15", "nlstm-q15")
 
 FLASHES = ("amber", "red", "dark")
 WEEKDAYS = ("Mon", "Tue", "Wed", "Thu", "Fri", "Sat", "Sun")

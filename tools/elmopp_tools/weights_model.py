@@ -23,6 +23,7 @@ LEVELS_MAX = 3
 LAGS = 8
 VALUE_MAX = 1000.0  # ELMOPP_WEIGHTS_VALUE_MAX
 CLAMP_MAX = 1000.0  # ELMOPP_WEIGHTS_CLAMP_MAX
+REACH_MAX = 128.0  # ELMOPP_LSTM_QUANTIZE_REACH_MAX
 
 Tensor = npt.NDArray[np.float32]
 Tensors = Mapping[str, Tensor]
@@ -137,6 +138,9 @@ def check_tensors(tensors: Tensors) -> None:
     for low, high, name in zip(tensors["range.low"], tensors["range.high"], "0123", strict=True):
         _check_range(f"range {name}", float(low), float(high))
     _check_range("ar8.range", float(tensors["ar8.range"][0]), float(tensors["ar8.range"][1]))
+    for network, levels in NETWORKS.items():
+        for level in range(levels):
+            _check_rows(f"{network}.{level_name(level)}", tensors, level == 0)
 
 
 def _check_values(name: str, tensor: Tensor) -> None:
@@ -147,6 +151,20 @@ def _check_values(name: str, tensor: Tensor) -> None:
         raise WeightsError(
             f"tensor {name}{list(place)} is {value:.9g}", f"a number from -{VALUE_MAX:g} to {VALUE_MAX:g}"
         )
+
+
+def _check_rows(name: str, tensors: Tensors, is_outer: bool) -> None:
+    """In whole numbers no sum may overflow, whatever is fed: inputs from 0 to the clamp's end, all else within +-1."""
+    weight = tensors[f"{name}.weight"].astype(np.float64)
+    bias = tensors[f"{name}.bias"].astype(np.float64)
+    if is_outer:
+        half = 0.5 * tensors["range.high"].astype(np.float64)
+        bias = bias + half @ weight[:INPUTS]
+        weight = np.concatenate([weight[:INPUTS] * half[:, None], weight[INPUTS:]])
+    reach = np.abs(bias) + np.abs(weight).sum(axis=0)
+    for column in np.flatnonzero(reach >= REACH_MAX):
+        row = f"gate {'ifog'[column // UNITS]} of unit {column % UNITS}"
+        raise WeightsError(f"{name}: {row} could reach {reach[column]:g}", f"less than {REACH_MAX:g}, row by row")
 
 
 def _check_range(name: str, low: float, high: float) -> None:

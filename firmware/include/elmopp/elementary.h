@@ -11,6 +11,7 @@
 #define ELMOPP_ELEMENTARY_H
 
 #include <stdint.h>
+#include <string.h>
 
 /// Arguments beyond these are taken as these, so that the result is always finite and above zero.
 #define ELMOPP_EXP_MIN (-87.0F)
@@ -45,6 +46,30 @@ static inline float elmopp_greater(float one, float other) {
 }
 static inline float elmopp_within(float value, float low, float high) {
     return (value > low) ? elmopp_lesser(value, high) : low;
+}
+
+/// The size of one number with the sign of another, and a number held within +-limit (limit >= 0): by bits, as a
+/// comparison of floats may be a branch on a Cortex-M4. A NaN is taken as the limit with the NaN's sign.
+static inline float elmopp_with_sign(float size, float sign) {
+    uint32_t bits;
+    uint32_t sign_bits;
+    (void)memcpy(&bits, &size, sizeof bits);
+    (void)memcpy(&sign_bits, &sign, sizeof sign_bits);
+    bits = (bits & 0x7FFFFFFFU) | (sign_bits & 0x80000000U);
+    float result;
+    (void)memcpy(&result, &bits, sizeof result);
+    return result;
+}
+static inline float elmopp_bounded(float x, float limit) {
+    uint32_t bits;
+    uint32_t limit_bits;
+    (void)memcpy(&bits, &x, sizeof bits);
+    (void)memcpy(&limit_bits, &limit, sizeof limit_bits);
+    const uint32_t size = bits & 0x7FFFFFFFU;
+    bits = (bits & 0x80000000U) | ((size < limit_bits) ? size : limit_bits);
+    float result;
+    (void)memcpy(&result, &bits, sizeof result);
+    return result;
 }
 
 /// A running mean takes its `seen`-th value (from 1): weighted by 1 / min(seen, window), which is the exact average

@@ -14,13 +14,14 @@
 ///   ar8          a regression over the last eight seconds (ar8.h). The mean until eight seconds have been seen.
 ///   lstm, nlstm  a network (lstm_f32.h) of one level, or of more, that sees every second and runs on its own output,
 ///                from a copy of its state
+///   lstm-q15, nlstm-q15  the same networks in whole numbers (lstm_q15.h), made of the same weights
 ///   ann          a plain network (ann_f32.h) that sees the last 16 seconds and runs on its own output
 ///   gcn          a network over the graph of the approaches (gcn_f32.h), which sees the last 32 seconds of each and
 ///   runs
 ///                on its own output. Two approaches are joined if they meet in the junction: a movement of one
 ///                conflicts with one of the other.
 ///
-/// All four networks say the mean until 60 seconds have been seen, or if their weights are refused. They see arrivals /
+/// All networks say the mean until 60 seconds have been seen, or if their weights are refused. They see arrivals /
 /// demand scale, at most and at least what the weights say, and what they say is held in the same range. All but gcn
 /// have four inputs: approaches go in groups of four in site order, each group for itself, the same weights; an input
 /// without approach is 0 and what is said about it is ignored. For gcn each approach is a node, whatever their number.
@@ -39,6 +40,8 @@
 #include "elmopp/account.h"
 #include "elmopp/ar8.h"
 #include "elmopp/junction.h"
+#include "elmopp/lstm_q15.h"
+#include "elmopp/lstm_quantize.h"
 #include "elmopp/outflow.h"
 #include "elmopp/weights.h"
 
@@ -64,7 +67,7 @@ typedef struct {
     uint8_t kind;                    ///< ELMOPP_FORECAST_* (junction.h)
     const elmopp_ar8_t *ar8;         ///< [approach], for ar8 only
     const float *mean_veh_per_s;     ///< [approach] long-run means; null: running means
-    const elmopp_weights_t *weights; ///< for lstm (1 level), nlstm (more), ann and gcn; null: none could be loaded
+    const elmopp_weights_t *weights; ///< for the networks; null: none could be loaded
 } elmopp_forecast_config_t;
 
 /// Why the rows are what they are.
@@ -73,6 +76,12 @@ typedef enum {
     ELMOPP_FORECAST_COLD,      ///< the mean: too little has been seen
     ELMOPP_FORECAST_UNARMED ///< the mean: there are no weights, or not such as the kind needs, or they fail their check
 } elmopp_forecast_status_t;
+
+/// What a recurrent network remembers of one group, in the arithmetic of the kind; the other stays zero.
+typedef struct {
+    elmopp_lstm_f32_state_t f32;
+    elmopp_lstm_q15_state_t q15;
+} elmopp_forecast_memory_t;
 
 /// State. Set up by elmopp_forecast_init(); nobody else writes it.
 typedef struct {
@@ -85,7 +94,8 @@ typedef struct {
     float movement_mean_veh[ELMOPP_MOVEMENT_MAX];
     float share[ELMOPP_MOVEMENT_MAX];
     float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second
-    elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];
+    elmopp_lstm_q15_weights_t q15;                               ///< for lstm-q15 and nlstm-q15: made of the weights
+    elmopp_forecast_memory_t memory[ELMOPP_FORECAST_GROUP_MAX];
     elmopp_gcn_f32_graph_t graph; ///< of the approaches
     elmopp_account_t account;
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
@@ -94,6 +104,11 @@ typedef struct {
 /// Starts cold. Asserts a known kind, and coefficients for ar8. Weights that cannot be used are no bug: see the status.
 void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junction,
                           const elmopp_forecast_config_t *config);
+
+/// The weights that the configuration points at are others now, of the same kind: learnt on the device. Looks at them
+/// as elmopp_forecast_init() does and keeps everything else. False if they cannot be used; a kind in whole numbers then
+/// goes on with what it made of the last ones, and any other kind is unarmed.
+bool elmopp_forecast_renew(elmopp_forecast_t *self);
 
 /// Absorbs the vehicles per movement of one second: finite, >= 0.
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh);
@@ -112,12 +127,21 @@ uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, cons
 uint16_t elmopp_forecast_hear(elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX],
                               uint16_t asked, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
-/// True for the kinds that need weights, which are those that can be distrusted: lstm, nlstm, ann and gcn.
+/// True for the kinds that need weights, which are those that can be distrusted: lstm and nlstm in either arithmetic,
+/// ann and gcn.
 bool elmopp_forecast_is_network(uint8_t kind);
 
+/// True for the kinds whose recurrent network has more than one level: nlstm in either arithmetic.
+bool elmopp_forecast_is_nested(uint8_t kind);
+
 /// Whether this kind can use such weights: they pass their check, and the recurrent network in them has one level for
-/// lstm, more for nlstm. False for null, and for a kind that needs none.
+/// lstm, more for nlstm; in whole numbers no row of it can overflow, which elmopp_forecast_quantized() says. False for
+/// null, and for a kind that needs none.
 bool elmopp_forecast_fits(uint8_t kind, const elmopp_weights_t *weights);
+
+/// What elmopp_lstm_quantize_check() (lstm_quantize.h) says of weights that have passed their check, fed as they are
+/// here: with 0 to their clamp's upper end.
+elmopp_lstm_quantized_t elmopp_forecast_quantized(const elmopp_weights_t *weights);
 
 /// Why the rows of elmopp_forecast_look() are what they are.
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self);

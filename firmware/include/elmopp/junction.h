@@ -52,7 +52,9 @@ enum {
     ELMOPP_FORECAST_NLSTM = 6,       ///< a nested network
     ELMOPP_FORECAST_ANN = 7,         ///< a plain feed-forward network over the last seconds
     ELMOPP_FORECAST_GCN = 8,         ///< a graph convolutional network over the approaches
-    ELMOPP_FORECAST_COUNT = 9
+    ELMOPP_FORECAST_LSTM_Q15 = 9,    ///< that of one level in whole numbers
+    ELMOPP_FORECAST_NLSTM_Q15 = 10,  ///< the nested one in whole numbers
+    ELMOPP_FORECAST_COUNT = 11
 };
 
 /// How a group flashes when the junction flashes.

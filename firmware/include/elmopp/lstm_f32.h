@@ -24,16 +24,9 @@
 #ifndef ELMOPP_LSTM_F32_H
 #define ELMOPP_LSTM_F32_H
 
-#include "elmopp/lstm_kernel.h"
+#include "elmopp/lstm_shape.h"
 
 #include <stdint.h>
-
-#define ELMOPP_LSTM_INPUTS 4U     ///< x of the outermost level, and outputs
-#define ELMOPP_LSTM_LEVELS_MAX 3U ///< 1: plain; 2, 3: nested
-
-/// Rows of the outermost level's matrix: x, then h. An inner level's x has as many values as it has units.
-#define ELMOPP_LSTM_OUTER_ROWS (ELMOPP_LSTM_INPUTS + ELMOPP_LSTM_UNITS)
-#define ELMOPP_LSTM_INNER_ROWS (2U * ELMOPP_LSTM_UNITS)
 
 /// The outermost level. Columns: gate i of every unit, then f, o, g.
 typedef struct {

@@ -15,19 +15,12 @@
 #ifndef ELMOPP_LSTM_KERNEL_H
 #define ELMOPP_LSTM_KERNEL_H
 
-#include <stdint.h>
+#include "elmopp/lstm_shape.h"
 
-#define ELMOPP_LSTM_UNITS 16U ///< cells of a level
-#define ELMOPP_LSTM_GATES (4U * ELMOPP_LSTM_UNITS)
+#include <stdint.h>
 
 /// Rows are taken four at a time: a level has a multiple of them.
 #define ELMOPP_LSTM_ROWS_AT_ONCE 4U
-
-/// Where each gate's columns begin.
-#define ELMOPP_LSTM_GATE_I 0U
-#define ELMOPP_LSTM_GATE_F ELMOPP_LSTM_UNITS
-#define ELMOPP_LSTM_GATE_O (2U * ELMOPP_LSTM_UNITS)
-#define ELMOPP_LSTM_GATE_G (3U * ELMOPP_LSTM_UNITS)
 
 /// All gates of a level: gate = s(bias + sum over k < `rows` of row[k] fed[k]), s the sigmoid for i, f and o, tanh for
 /// g.

@@ -82,13 +82,18 @@ static const elmopp_weights_t *load_weights(troubles_t *troubles) {
 /* The stored network if it is of the kind that the site asks for, the shipped one otherwise. */
 static const elmopp_weights_t *choose_weights(const elmopp_junction_t *junction, const elmopp_weights_t *stored,
                                               troubles_t *troubles) {
-    const bool nested = junction->forecast == (uint8_t)ELMOPP_FORECAST_NLSTM;
+    const bool nested = elmopp_forecast_is_nested(junction->forecast);
     const elmopp_weights_t *shipped = nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
     if (stored == NULL) {
         return shipped;
     }
     if ((stored->lstm.levels > 1U) != nested) {
         elmopp_port_say("the stored weights are refused: the site asks for a network of another kind");
+        troubles->weights = true;
+        return shipped;
+    }
+    if (elmopp_forecast_is_network(junction->forecast) && (!elmopp_forecast_fits(junction->forecast, stored))) {
+        elmopp_port_say("the stored weights are refused: in whole numbers a row of them could overflow");
         troubles->weights = true;
         return shipped;
     }

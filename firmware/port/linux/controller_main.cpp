@@ -271,13 +271,18 @@ void check_clock(const Request &request) {
 
 /// The shipped weights for the site's network, unless a file was given.
 const elmopp_weights_t *weights_of(const elmopp_junction_t &junction, const elmopp_weights_t *given) {
-    const bool nested = junction.forecast == ELMOPP_FORECAST_NLSTM;
+    const bool nested = elmopp_forecast_is_nested(junction.forecast);
     return given != nullptr ? given : (nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm);
 }
 
 void check_weights(const Request &request, const elmopp_junction_t &junction, const elmopp_weights_t &weights) {
+    const bool nested = elmopp_forecast_is_nested(junction.forecast);
     if (!elmopp_forecast_fits(junction.forecast, &weights)) {
-        const std::string wanted = junction.forecast == ELMOPP_FORECAST_NLSTM ? "nlstm" : "lstm";
+        if (elmopp_forecast_is_network(junction.forecast) && nested == (weights.lstm.levels > 1)) {
+            throw BadRequest("--weights " + request.weights + ": " + overflow_of(weights) +
+                             "; right would be arithmetic = \"float\" in the site");
+        }
+        const std::string wanted = nested ? "nlstm" : "lstm";
         throw BadRequest(
             "--weights " + request.weights + ": " + std::to_string(weights.lstm.levels) + " level(s); right would be " +
             (elmopp_forecast_is_network(junction.forecast) ? "a network of forecast " + wanted
