@@ -37,6 +37,7 @@ LEVELS = {
     "plan": 1,
     "sight": 1,
     "site": 1,
+    "store": 1,
     "weights": 2,
     "forecast": 3,
     "urgency": 3,

@@ -53,6 +53,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "plan": LEVEL_0,
     "sight": LEVEL_0,
     "site": LEVEL_0,
+    "store": LEVEL_0,
     "timetable": LEVEL_0,
     # level 2: what is learnt, for all models
     "weights": LEVEL_0 | MODELS,
