@@ -7,6 +7,7 @@
 #include "elmopp/elementary.h"
 
 #include <stddef.h>
+#include <string.h>
 
 /* Sums a value of each movement over its approach, in the order of the movements. */
 static void sum_by_approach(const elmopp_junction_t *junction, const float *value, float sum[ELMOPP_APPROACH_MAX]) {
@@ -93,6 +94,14 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
     self->armed = elmopp_forecast_fits(config->kind, config->weights);
     join_approaches(&self->graph, junction);
     update_shares(self);
+}
+
+void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew) {
+    self->config.weights = weights;
+    self->armed = elmopp_forecast_fits(self->config.kind, weights);
+    for (uint32_t group = 0U; anew && (group < ELMOPP_FORECAST_GROUP_MAX); group++) {
+        (void)memset(&self->memory[group], 0, sizeof self->memory[group]);
+    }
 }
 
 static float scale_of(const elmopp_forecast_t *self, uint32_t approach) {

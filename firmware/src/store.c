@@ -14,8 +14,12 @@
 
 /* --- what stands where --- */
 
-static uint32_t word_at(const uint8_t *bytes) {
-    return (uint32_t)bytes[0] | ((uint32_t)bytes[1] << 8U) | ((uint32_t)bytes[2] << 16U) | ((uint32_t)bytes[3] << 24U);
+static uint32_t word_of(const uint8_t *bytes, uint32_t at) {
+    uint32_t word = 0U;
+    for (uint32_t i = ELMOPP_STORE_WORD; i > 0U; i--) {
+        word = (word << 8U) | bytes[at + i - 1U];
+    }
+    return word;
 }
 
 static uint32_t slot_count(const elmopp_store_t *self) {
@@ -31,7 +35,7 @@ static uint32_t slot_at(const elmopp_store_t *self, uint32_t slot) {
     return (sector_of(self, slot) * self->medium.sector_bytes) + (in_sector * self->medium.slot_bytes);
 }
 
-static uint32_t image_bytes(const elmopp_store_t *self) {
+static uint32_t bytes_of_image(const elmopp_store_t *self) {
     return ELMOPP_IMAGE_HEADER + self->kind.body_bytes;
 }
 
@@ -49,7 +53,7 @@ static uint32_t ready_mark_at(const elmopp_store_t *self, uint32_t sector) {
 
 /* Its last erase has come to its end. */
 static bool is_ready(const elmopp_store_t *self, uint32_t sector) {
-    return word_at(&self->medium.bytes[ready_mark_at(self, sector)]) == ELMOPP_STORE_MARK;
+    return word_of(self->medium.bytes, ready_mark_at(self, sector)) == ELMOPP_STORE_MARK;
 }
 
 static bool is_free_slot(const elmopp_store_t *self, uint32_t slot) {
@@ -67,13 +71,13 @@ static bool holds_newest(const elmopp_store_t *self, uint32_t sector) {
 
 static bool is_whole(const elmopp_store_t *self, uint32_t slot) {
     const uint8_t *image = &self->medium.bytes[slot_at(self, slot) + ELMOPP_STORE_HEAD];
-    return elmopp_image_check(&self->kind, image, image_bytes(self)) == ELMOPP_IMAGE_OK;
+    return elmopp_image_check(&self->kind, image, bytes_of_image(self)) == ELMOPP_IMAGE_OK;
 }
 
 static bool is_numbered(const elmopp_store_t *self, uint32_t slot, uint32_t *number) {
-    const uint8_t *head = &self->medium.bytes[slot_at(self, slot)];
-    *number = word_at(&head[NUMBER_AT]);
-    return (*number != UINT32_MAX) && (word_at(&head[COMPLEMENT_AT]) == ~*number);
+    const uint32_t head = slot_at(self, slot);
+    *number = word_of(self->medium.bytes, head + NUMBER_AT);
+    return (*number != UINT32_MAX) && (word_of(self->medium.bytes, head + COMPLEMENT_AT) == ~*number);
 }
 
 /* A mark that was cut may be read at one start and not at another: no number is used a second time, marked or not. */
@@ -84,7 +88,7 @@ static void find_newest(elmopp_store_t *self) {
     for (uint32_t slot = 0U; slot < slot_count(self); slot++) {
         uint32_t number = 0U;
         if (is_numbered(self, slot, &number)) {
-            const bool marked = word_at(&self->medium.bytes[slot_at(self, slot) + MARK_AT]) == ELMOPP_STORE_MARK;
+            const bool marked = word_of(self->medium.bytes, slot_at(self, slot) + MARK_AT) == ELMOPP_STORE_MARK;
             const bool newer = (self->newest == ELMOPP_STORE_NONE) || (number > newest_number);
             if (marked && newer && is_whole(self, slot)) {
                 self->newest = slot;
@@ -102,7 +106,7 @@ void elmopp_store_init(elmopp_store_t *self, const elmopp_store_medium_t *medium
         ELMOPP_ASSERT((medium->sectors >= 2U) && (medium->sector_slots >= 1U));
         ELMOPP_ASSERT(((medium->slot_bytes % ELMOPP_STORE_WORD) == 0U) &&
                       ((kind->body_bytes % ELMOPP_STORE_WORD) == 0U));
-        ELMOPP_ASSERT((ELMOPP_STORE_HEAD + image_bytes(self)) <= medium->slot_bytes);
+        ELMOPP_ASSERT((ELMOPP_STORE_HEAD + bytes_of_image(self)) <= medium->slot_bytes);
         ELMOPP_ASSERT(((medium->sector_slots * medium->slot_bytes) + ELMOPP_STORE_WORD) <= medium->sector_bytes);
         find_newest(self);
     }
@@ -194,9 +198,9 @@ static elmopp_store_order_t write_of(const elmopp_store_t *self) {
     const uint32_t byte = self->at * ELMOPP_STORE_WORD;
     const uint32_t number = self->highest + 1U;
     elmopp_store_order_t order = {.action = ELMOPP_STORE_PROGRAM, .at = slot + ELMOPP_STORE_HEAD + byte, .word = 0U};
-    if (byte < image_bytes(self)) {
-        order.word = word_at(&self->image[byte]);
-    } else if (byte == image_bytes(self)) {
+    if (byte < bytes_of_image(self)) {
+        order.word = word_of(self->image, byte);
+    } else if (byte == bytes_of_image(self)) {
         order.at = slot + NUMBER_AT;
         order.word = number;
     } else {
@@ -207,7 +211,7 @@ static elmopp_store_order_t write_of(const elmopp_store_t *self) {
 }
 
 static uint32_t words_to_write(const elmopp_store_t *self) {
-    return (image_bytes(self) / ELMOPP_STORE_WORD) + 2U;
+    return (bytes_of_image(self) / ELMOPP_STORE_WORD) + 2U;
 }
 
 bool elmopp_store_next(const elmopp_store_t *self, elmopp_store_order_t *order) {
@@ -234,12 +238,12 @@ bool elmopp_store_next(const elmopp_store_t *self, elmopp_store_order_t *order) 
     return something;
 }
 
-static void count(uint16_t *counter) {
+static void count_one(uint16_t *counter) {
     *counter = (*counter < UINT16_MAX) ? (uint16_t)(*counter + 1U) : *counter;
 }
 
 static void give_up(elmopp_store_t *self) {
-    count(&self->failed);
+    count_one(&self->failed);
     self->phase = ELMOPP_STORE_IDLE;
 }
 
@@ -265,7 +269,7 @@ static void finish(elmopp_store_t *self) {
     self->newest = self->target;
     self->highest++;
     self->phase = ELMOPP_STORE_IDLE;
-    count(&self->saved);
+    count_one(&self->saved);
 }
 
 /* A sector is erased, then marked as ready. */
@@ -302,9 +306,9 @@ static void advance(elmopp_store_t *self) {
 }
 
 /* It reads back as what was ordered. */
-static bool reads_back(const elmopp_store_t *self, const elmopp_store_order_t *order) {
+static bool is_as_ordered(const elmopp_store_t *self, const elmopp_store_order_t *order) {
     return (order->action == ELMOPP_STORE_ERASE) ? is_blank(self, order->at, self->medium.sector_bytes)
-                                                 : (word_at(&self->medium.bytes[order->at]) == order->word);
+                                                 : (word_of(self->medium.bytes, order->at) == order->word);
 }
 
 void elmopp_store_answer(elmopp_store_t *self, elmopp_store_answer_t answer) {
@@ -312,10 +316,10 @@ void elmopp_store_answer(elmopp_store_t *self, elmopp_store_answer_t answer) {
     if ((answer == ELMOPP_STORE_LATER) || (!elmopp_store_next(self, &order))) {
         return;
     }
-    if ((answer == ELMOPP_STORE_DONE) && reads_back(self, &order)) {
+    if ((answer == ELMOPP_STORE_DONE) && is_as_ordered(self, &order)) {
         advance(self);
     } else if (self->phase == ELMOPP_STORE_TIDYING) {
-        count(&self->failed);
+        count_one(&self->failed);
         next_sector(self);
     } else {
         give_up(self);

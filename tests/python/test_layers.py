@@ -48,10 +48,12 @@ LEVELS = {
     "rollout": 4,
     "link": 1,
     "frames": 2,
+    "transfer": 2,
     "pilot": 4,
     "controller": 5,
     "lamp_node": 3,
     "station": 6,
+    "keeper": 6,
 }
 
 

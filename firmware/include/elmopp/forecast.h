@@ -95,6 +95,10 @@ typedef struct {
 void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junction,
                           const elmopp_forecast_config_t *config);
 
+/// Goes on with other weights. What was seen stays; what a network remembers of it goes if `anew`, as it was another
+/// network's. The weights that were used before are no longer looked at.
+void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew);
+
 /// Absorbs the vehicles per movement of one second: finite, >= 0.
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh);
 
