@@ -21,7 +21,6 @@ extern "C" {
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -61,9 +60,8 @@ struct Disk {
     int error = 0;    ///< ... with this errno
     bool cut = false; ///< ... as do all that follow: the power has gone
     std::map<int, std::string> open_files;
+    bool folder_unsafe = false;   ///< it has names that are not yet on the disk
     std::set<std::string> unsafe; ///< files with bytes that are not yet on the disk
-    std::string renamed;          ///< whose new name is not yet on the disk
-    bool renamed_unsafe = false;  ///< ... and neither are its bytes
 };
 Disk disk;
 
@@ -81,6 +79,7 @@ int open_it(const char *path, int flags, mode_t mode) {
         return -1;
     }
     const int descriptor = ::open(path, flags, mode);
+    disk.folder_unsafe = disk.folder_unsafe || (static_cast<unsigned>(flags) & static_cast<unsigned>(O_CREAT)) != 0;
     disk.open_files[descriptor] = path;
     return descriptor;
 }
@@ -99,27 +98,16 @@ int fsync_it(int descriptor) {
     }
     const std::string &path = disk.open_files.at(descriptor);
     disk.unsafe.erase(path);
-    if (fs::is_directory(path)) {
-        disk.renamed.clear();
-    }
+    disk.folder_unsafe = disk.folder_unsafe && !fs::is_directory(path);
     return 0;
 }
 
-int rename_it(const char *from, const char *to) {
-    if (fails()) {
-        return -1;
-    }
-    disk.renamed = to;
-    disk.renamed_unsafe = disk.unsafe.count(from) > 0;
-    return std::rename(from, to);
-}
+const FileCalls broken_calls{open_it, write_it, fsync_it};
 
-const FileCalls broken_calls{open_it, write_it, fsync_it, rename_it};
-
-/// The power has gone: what had a new name before its bytes were on the disk has lost half of them.
+/// The power has gone: what was not asked to be on the disk has lost half of its bytes.
 void lose_what_was_not_on_the_disk() {
-    if (!disk.renamed.empty() && disk.renamed_unsafe) {
-        fs::resize_file(disk.renamed, fs::file_size(disk.renamed) / 2);
+    for (const std::string &file : disk.unsafe) {
+        fs::resize_file(file, fs::file_size(file) / 2);
     }
 }
 
@@ -156,8 +144,7 @@ struct Opened {
 };
 
 /// To prepare what a test is about: nothing is asked to be on the disk.
-const FileCalls quick_calls{elmopp::system_file_calls.open, elmopp::system_file_calls.write, [](int) { return 0; },
-                            elmopp::system_file_calls.rename};
+const FileCalls quick_calls{elmopp::system_file_calls.open, elmopp::system_file_calls.write, [](int) { return 0; }};
 
 void save_surely(const fs::path &folder, std::uint8_t value) {
     Opened opened(folder, quick_calls);
@@ -251,8 +238,7 @@ void test_what_is_said_to_be_kept_is_on_the_disk_with_its_name() {
     Opened opened(folder.path(), broken_calls);
     TEST_ASSERT_TRUE(opened.save(1));
     TEST_ASSERT_TRUE(disk.unsafe.empty());
-    TEST_ASSERT_TRUE(disk.renamed.empty());
-    TEST_ASSERT_FALSE(disk.renamed_unsafe);
+    TEST_ASSERT_FALSE(disk.folder_unsafe);
 }
 
 void test_a_file_that_is_cut_or_changed_is_none() {

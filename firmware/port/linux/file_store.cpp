@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <system_error>
@@ -68,17 +67,9 @@ std::string sync_folder(const FileCalls &calls, const std::string &folder) {
     return trouble;
 }
 
-std::string replace_file(const FileCalls &calls, const fs::path &file, const std::vector<char> &bytes) {
-    const std::string draft = file.string() + ".new";
-    std::string trouble = write_all(calls, draft, bytes);
-    if (trouble.empty() && calls.rename(draft.c_str(), file.c_str()) != 0) {
-        trouble = why(file.string());
-    }
-    if (!trouble.empty()) {
-        (void)::unlink(draft.c_str());
-        return trouble;
-    }
-    return sync_folder(calls, file.parent_path().string());
+std::string write_file(const FileCalls &calls, const fs::path &file, const std::vector<char> &bytes) {
+    const std::string trouble = write_all(calls, file.string(), bytes);
+    return trouble.empty() ? sync_folder(calls, file.parent_path().string()) : trouble;
 }
 
 /// Whoever waits for a disk must not keep the lamps waiting.
@@ -93,7 +84,7 @@ int open_file(const char *path, int flags, mode_t mode) {
 
 } // namespace
 
-const FileCalls system_file_calls{open_file, ::write, ::fsync, std::rename};
+const FileCalls system_file_calls{open_file, ::write, ::fsync};
 
 StoreFolder::StoreFolder(fs::path folder) : folder_(std::move(folder)) {
     const auto refuse = [this](const std::string &what) {
@@ -177,7 +168,7 @@ elmopp_store_answer_t FileStore::seal(const elmopp_store_order_t &order) {
         try {
             writing_ = std::async(std::launch::async, [calls = calls_, file = file_of(sector), bytes] {
                 give_up_urgency();
-                return replace_file(calls, file, bytes);
+                return write_file(calls, file, bytes);
             });
         } catch (const std::system_error &error) {
             trouble_ = error.what();

@@ -4,10 +4,13 @@
 /// A store (elmopp/store.h) in files of a folder: two of them, NAME.0 and NAME.1, each a sector with one slot.
 ///
 /// The medium is a copy of both in memory, in which words are programmed and sectors erased as in flash. Only the mark
-/// of a slot reaches the disk, and with it the whole sector: into a file of another name, to the disk (fsync), renamed,
-/// the folder to the disk. So a file is always whole, the old one or the new one; the other one is not touched
-/// meanwhile. A disk may take longer than a lamp tick: this is done by a thread of its own, without the program's
-/// urgency, and the order is answered with "later" until it is done.
+/// of a slot reaches the disk, and with it the whole sector, into the file that is not in force: written, to the disk
+/// (fsync), and the folder to the disk, too. A file that is cut has another length or another checksum and is none; the
+/// one in force is not touched meanwhile, so that no draft and no renaming is needed. If only the last step fails, it
+/// is told as a failure and may yet be there at the next start.
+///
+/// A disk may take longer than a lamp tick: this is done by a thread of its own, without the program's urgency, and the
+/// order is answered with "later" until it is done.
 ///
 /// One folder belongs to one program: it is locked.
 
@@ -32,7 +35,6 @@ struct FileCalls {
     int (*open)(const char *path, int flags, mode_t mode);
     ssize_t (*write)(int descriptor, const void *bytes, std::size_t length);
     int (*fsync)(int descriptor);
-    int (*rename)(const char *from, const char *to);
 };
 
 /// The system's own.
