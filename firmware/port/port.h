@@ -13,6 +13,8 @@
 #define ELMOPP_PORT_H
 
 #include "elmopp/controller.h"
+#include "elmopp/store.h"
+#include "elmopp/transfer.h"
 
 /// A place of the board's memory where somebody may have stored an image (image.h) that replaces what is compiled in.
 typedef struct {
@@ -50,9 +52,17 @@ bool elmopp_port_reset_is_held(void);
 /// ELMOPP_FAULT_BROWN_OUT, or ELMOPP_FAULT_NONE. No command clears what is still there.
 elmopp_fault_t elmopp_port_fault(void);
 
-/// Where images may be stored.
+/// Where a person with a debugger may have stored images: what stands there is in force, whatever has come over the
+/// bus.
 elmopp_port_slot_t elmopp_port_site_slot(void);
 elmopp_port_slot_t elmopp_port_weights_slot(void);
+
+/// Where what comes over the bus is kept (store.h), weights or a site. A medium without bytes: the board keeps nothing.
+elmopp_store_medium_t elmopp_port_medium(elmopp_transfer_kind_t kind);
+
+/// Carries out one order to such a medium, without waiting for longer than a word takes; an erase, which takes longer,
+/// only comes before the first lamp tick.
+elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmopp_store_order_t *order);
 
 /// A line for people, if the board has somewhere to say it: at most what fits at once, the rest is lost.
 void elmopp_port_say(const char *text);

@@ -81,6 +81,11 @@ static void init_bus(elmopp_bus_t *bus, const elmopp_junction_t *junction) {
     bus->used_nodes = elmopp_junction_nodes(junction);
 }
 
+static void watch_weights(elmopp_controller_t *self, const elmopp_weights_t *weights) {
+    self->weights_watch = watch_over((const uint8_t *)weights, (uint32_t)sizeof *weights);
+    self->weights_id = (uint16_t)(self->weights_watch.expected & WEIGHTS_ID_MASK);
+}
+
 void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_config_t *config) {
     const elmopp_junction_t *junction = config->junction;
     ELMOPP_ASSERT(elmopp_site_check(junction).fault == ELMOPP_SITE_OK);
@@ -90,10 +95,17 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_c
     elmopp_detector_init(&self->detector, junction);
     init_bus(&self->bus, junction);
     self->site_watch = watch_over((const uint8_t *)junction, (uint32_t)sizeof *junction);
-    self->weights_watch =
-        watch_over((const uint8_t *)config->forecast.weights, (uint32_t)sizeof *config->forecast.weights);
-    self->weights_id = (uint16_t)(self->weights_watch.expected & WEIGHTS_ID_MASK);
+    watch_weights(self, config->forecast.weights);
     self->told_ds = UINT8_MAX;
+}
+
+void elmopp_controller_use_weights(elmopp_controller_t *self, const elmopp_weights_t *weights) {
+    elmopp_forecast_t *forecast = &self->pilot.forecast;
+    if (elmopp_forecast_is_network(forecast->config.kind)) {
+        const uint32_t before = self->weights_watch.expected;
+        watch_weights(self, weights);
+        elmopp_forecast_rearm(forecast, weights, self->weights_watch.expected != before);
+    }
 }
 
 void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault) {

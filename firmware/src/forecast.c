@@ -7,6 +7,7 @@
 #include "elmopp/elementary.h"
 
 #include <stddef.h>
+#include <string.h>
 
 /* Sums a value of each movement over its approach, in the order of the movements. */
 static void sum_by_approach(const elmopp_junction_t *junction, const float *value, float sum[ELMOPP_APPROACH_MAX]) {
@@ -71,18 +72,13 @@ elmopp_lstm_quantized_t elmopp_forecast_quantized(const elmopp_weights_t *weight
     return elmopp_lstm_quantize_check(&weights->lstm, least_input, weights->high);
 }
 
-bool elmopp_forecast_renew(elmopp_forecast_t *self) {
+/* Looks whether the weights can be used; in whole numbers it keeps what is made of them. */
+static void arm(elmopp_forecast_t *self) {
     const elmopp_weights_t *weights = self->config.weights;
-    const bool fits = elmopp_forecast_fits(self->config.kind, weights);
-    if (is_q15(self->config.kind)) {
-        if (fits) {
-            (void)elmopp_lstm_quantize(&weights->lstm, least_input, weights->high, &self->q15);
-            self->armed = true;
-        }
-    } else {
-        self->armed = fits;
+    self->armed = elmopp_forecast_fits(self->config.kind, weights);
+    if (self->armed && is_q15(self->config.kind)) {
+        (void)elmopp_lstm_quantize(&weights->lstm, least_input, weights->high, &self->q15);
     }
-    return fits;
 }
 
 /* The signal groups of an approach, and those that conflict with one of them. */
@@ -122,9 +118,17 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
     ELMOPP_ASSERT(config->kind < (uint8_t)ELMOPP_FORECAST_COUNT);
     ELMOPP_ASSERT((config->kind != (uint8_t)ELMOPP_FORECAST_AR8) || (config->ar8 != NULL));
     *self = (elmopp_forecast_t){.config = *config, .junction = junction};
-    (void)elmopp_forecast_renew(self);
+    arm(self);
     join_approaches(&self->graph, junction);
     update_shares(self);
+}
+
+void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew) {
+    self->config.weights = weights;
+    arm(self);
+    for (uint32_t group = 0U; anew && (group < ELMOPP_FORECAST_GROUP_MAX); group++) {
+        (void)memset(&self->memory[group], 0, sizeof self->memory[group]);
+    }
 }
 
 static float scale_of(const elmopp_forecast_t *self, uint32_t approach) {

@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#define WORD 4U
+
 uint32_t elmopp_image_sum(uint32_t sum, const uint8_t *bytes, uint32_t length) {
     uint32_t crc = sum;
     for (uint32_t i = 0U; i < length; i++) {
@@ -34,4 +36,18 @@ elmopp_image_fault_t elmopp_image_check(const elmopp_image_kind_t *kind, const u
     const bool intact =
         word_at(&image[12]) == ~elmopp_image_sum(ELMOPP_IMAGE_SUM_START, &image[ELMOPP_IMAGE_HEADER], kind->body_bytes);
     return intact ? ELMOPP_IMAGE_OK : ELMOPP_IMAGE_CRC;
+}
+
+static void put_word(uint8_t *bytes, uint32_t word) {
+    for (uint32_t i = 0U; i < WORD; i++) {
+        bytes[i] = (uint8_t)((word >> (8U * i)) & UINT8_MAX);
+    }
+}
+
+void elmopp_image_seal(const elmopp_image_kind_t *kind, uint8_t *image) {
+    const uint32_t sum = elmopp_image_sum(ELMOPP_IMAGE_SUM_START, &image[ELMOPP_IMAGE_HEADER], kind->body_bytes);
+    (void)memcpy(image, kind->magic, sizeof kind->magic);
+    put_word(&image[4], kind->version);
+    put_word(&image[8], kind->body_bytes);
+    put_word(&image[12], ~sum);
 }

@@ -3,8 +3,6 @@
 
 #include "elmopp/site.h"
 
-#include "elmopp/image.h"
-
 #include <string.h>
 
 #define AMBER_MIN_DS 30U
@@ -356,15 +354,19 @@ elmopp_site_verdict_t elmopp_site_check(const elmopp_junction_t *junction) {
 
 #define IMAGE_VERDICTS 5U /* elmopp_image_verdict_t */
 
-static elmopp_site_verdict_t check_envelope(const uint8_t *image, uint32_t length) {
+const elmopp_image_kind_t *elmopp_site_kind(void) {
     static const elmopp_image_kind_t kind = {
         {0x45U, 0x4CU, 0x4DU, 0x53U}, ELMOPP_SITE_IMAGE_VERSION_NOW, (uint32_t)sizeof(elmopp_junction_t)}; /* "ELMS" */
+    return &kind;
+}
+
+static elmopp_site_verdict_t check_envelope(const uint8_t *image, uint32_t length) {
     static const elmopp_site_fault_t named[IMAGE_VERDICTS] = {[ELMOPP_IMAGE_OK] = ELMOPP_SITE_OK,
                                                               [ELMOPP_IMAGE_MAGIC] = ELMOPP_SITE_IMAGE_MAGIC,
                                                               [ELMOPP_IMAGE_VERSION] = ELMOPP_SITE_IMAGE_VERSION,
                                                               [ELMOPP_IMAGE_LENGTH] = ELMOPP_SITE_IMAGE_LENGTH,
                                                               [ELMOPP_IMAGE_CRC] = ELMOPP_SITE_IMAGE_CRC};
-    return fault(named[elmopp_image_check(&kind, image, length)], 0U, 0U);
+    return fault(named[elmopp_image_check(elmopp_site_kind(), image, length)], 0U, 0U);
 }
 
 elmopp_site_verdict_t elmopp_site_load(const uint8_t *image, uint32_t length, elmopp_junction_t *out) {

@@ -3,8 +3,6 @@
 
 #include "elmopp/weights.h"
 
-#include "elmopp/image.h"
-
 #include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
@@ -69,10 +67,14 @@ elmopp_weights_fault_t elmopp_weights_check(const elmopp_weights_t *weights) {
     return check_body((const uint8_t *)weights);
 }
 
-static elmopp_weights_fault_t check_header(const uint8_t *image, uint32_t length) {
+const elmopp_image_kind_t *elmopp_weights_kind(void) {
     static const elmopp_image_kind_t kind = {
         {0x45U, 0x4CU, 0x4DU, 0x57U}, ELMOPP_WEIGHTS_VERSION_NOW, (uint32_t)sizeof(elmopp_weights_t)}; /* "ELMW" */
-    switch (elmopp_image_check(&kind, image, length)) {
+    return &kind;
+}
+
+static elmopp_weights_fault_t check_header(const uint8_t *image, uint32_t length) {
+    switch (elmopp_image_check(elmopp_weights_kind(), image, length)) {
     case ELMOPP_IMAGE_OK:
         return ELMOPP_WEIGHTS_OK;
     case ELMOPP_IMAGE_MAGIC:
@@ -87,11 +89,13 @@ static elmopp_weights_fault_t check_header(const uint8_t *image, uint32_t length
     }
 }
 
+elmopp_weights_fault_t elmopp_weights_check_image(const uint8_t *image, uint32_t length) {
+    const elmopp_weights_fault_t fault = check_header(image, length);
+    return (fault == ELMOPP_WEIGHTS_OK) ? check_body(&image[ELMOPP_IMAGE_HEADER]) : fault;
+}
+
 elmopp_weights_fault_t elmopp_weights_load(const uint8_t *image, uint32_t length, elmopp_weights_t *out) {
-    elmopp_weights_fault_t fault = check_header(image, length);
-    if (fault == ELMOPP_WEIGHTS_OK) {
-        fault = check_body(&image[ELMOPP_IMAGE_HEADER]);
-    }
+    const elmopp_weights_fault_t fault = elmopp_weights_check_image(image, length);
     if (fault == ELMOPP_WEIGHTS_OK) {
         (void)memcpy(out, &image[ELMOPP_IMAGE_HEADER], sizeof *out);
     }

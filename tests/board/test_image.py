@@ -18,7 +18,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from bus_frames import COMMAND, LAMP_COMMAND
+from bus_frames import COMMAND, LAMP_COMMAND, TRANSFER, TRANSFER_ACK, segments
 from emulator import ANSWER_S, IMAGE, ROOT, Bus, Emulator
 from images import site_image, tool, with_flipped_bit
 
@@ -39,8 +39,8 @@ def weights(tmp_path_factory: pytest.TempPathFactory) -> Path:
     image = tmp_path_factory.mktemp("weights") / "weights.bin"
     tool("weights", "weights/forecast.safetensors", "--image-lstm", str(image))
     data = bytearray(image.read_bytes())
-    low = struct.unpack_from("<f", data, 16 + 22624 - 4)[0]
-    struct.pack_into("<f", data, 16 + 22624 - 4, low / 2)
+    last = struct.unpack_from("<f", data, len(data) - 4)[0]
+    struct.pack_into("<f", data, len(data) - 4, last / 2 + 0.125)
     struct.pack_into("<I", data, 12, zlib.crc32(data[16:]))
     image.write_bytes(data)
     return image
@@ -162,7 +162,7 @@ def expect_only_flashing(bus: Bus, fault: str) -> None:
         assert set(bus.lamps[:12]) <= FLASHING
 
 
-@pytest.mark.parametrize("at", [0, 4, 8, 12, 16, 5000, 22639])
+@pytest.mark.parametrize("at", [0, 4, 8, 12, 16, 5000, 34499])
 def test_weights_with_a_flipped_bit_are_named_and_the_last_good_ones_kept(site: Path, weights: Path, at: int) -> None:
     with Emulator(site=site) as board:
         shipped = Bus(board).mode(STEADY).weights_id
@@ -193,6 +193,78 @@ def test_a_site_that_is_simulation_only_is_refused_by_name(tmp_path: Path) -> No
         expect_only_flashing(Bus(board), "site_changed")
         said = board.hears("paper")
     assert "simulation_only" in said
+
+
+# --- what comes over the bus ---
+
+RECEIVING, ON_TRIAL, KEPT, REFUSED = 1, 2, 4, 5
+FLASHING_COMMAND, BY_HAND, NOT_SAFE = 6, 5, 6
+TRIAL_TICKS = 3000
+
+
+def send_image(bus: Bus, image: bytes) -> tuple[int, int, int]:
+    """Segment by segment, as flow control lets; the report that ends it."""
+    frames = segments(image)
+    bus.write(b"t%03X8" % TRANSFER + frames.pop(0).hex().upper().encode() + b"\r")
+    while True:
+        before = len(bus.seen)
+        bus.tick()
+        for ack in [frame for frame in bus.seen[before:] if frame.id == TRANSFER_ACK]:
+            if ack.report is not None and ack.report[1] != RECEIVING:
+                return ack.report
+            for data in frames[: ack.go_on]:
+                bus.write(b"t%03X8" % TRANSFER + data.hex().upper().encode() + b"\r")
+            del frames[: ack.go_on]
+
+
+def until_kept(bus: Bus) -> None:
+    for _ in range(TRIAL_TICKS + 400):
+        before = len(bus.seen)
+        bus.tick()
+        reports = [frame.report for frame in bus.seen[before:] if frame.id == TRANSFER_ACK]
+        if any(report is not None and report[1] == KEPT for report in reports):
+            return
+    raise AssertionError("not kept")
+
+
+def test_weights_over_the_bus_run_are_kept_and_outlive_a_reset_and_a_site_by_hand_stays(
+    site: Path, weights: Path
+) -> None:
+    image = weights.read_bytes()
+    wanted = ~zlib.crc32(image[16:]) & 0xFFF
+    with Emulator(site=site) as board:
+        bus = Bus(board)
+        shipped = bus.mode(STEADY).weights_id
+        assert send_image(bus, image) == (1, ON_TRIAL, 0)
+        assert bus.reported().weights_id == wanted != shipped
+        board.reset()  # in the trial
+        bus.open()
+        assert bus.mode(STEADY).weights_id == shipped
+        assert send_image(bus, image) == (1, ON_TRIAL, 0)
+        until_kept(bus)
+        board.reset()
+        bus.open()
+        status = bus.mode(STEADY)
+        assert (status.weights_id, status.fault) == (wanted, "none")
+        assert send_image(bus, site.read_bytes()) == (2, REFUSED, BY_HAND)
+
+
+def test_a_site_over_the_bus_needs_the_key_and_flashing_and_begins_anew(site: Path) -> None:
+    with Emulator() as board:  # nothing by hand: the site that is compiled in
+        bus = Bus(board)
+        bus.mode(STEADY, seconds=90)
+        assert send_image(bus, site.read_bytes()) == (2, REFUSED, NOT_SAFE)
+        bus.send(COMMAND, FLASHING_COMMAND)
+        bus.mode("flashing")
+        assert send_image(bus, site.read_bytes()) == (2, REFUSED, NOT_SAFE)
+        board.people.send(b"h")
+        bus.ticks(2)
+        assert send_image(bus, site.read_bytes()) == (2, ON_TRIAL, 0)
+        board.people.send(b"l")
+        assert bus.mode(STEADY).weights_id != 0  # this site has a network
+        board.reset()  # in the trial: the one that is compiled in has none
+        bus.open()
+        assert bus.mode("starting").weights_id == 0
 
 
 # --- the board itself ---

@@ -41,6 +41,7 @@ LEVELS = {
     "plan": 1,
     "sight": 1,
     "site": 1,
+    "store": 1,
     "weights": 2,
     "lstm_quantize": 2,
     "forecast": 3,
@@ -52,10 +53,12 @@ LEVELS = {
     "rollout": 4,
     "link": 1,
     "frames": 2,
+    "transfer": 2,
     "pilot": 4,
     "controller": 5,
     "lamp_node": 3,
     "station": 6,
+    "keeper": 6,
 }
 
 

@@ -109,6 +109,17 @@ elmopp_port_slot_t elmopp_port_weights_slot(void) {
     return (elmopp_port_slot_t){NULL, 0U};
 }
 
+elmopp_store_medium_t elmopp_port_medium(elmopp_transfer_kind_t kind) {
+    (void)kind;
+    return (elmopp_store_medium_t){.bytes = NULL};
+}
+
+elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmopp_store_order_t *order) {
+    (void)kind;
+    (void)order;
+    return ELMOPP_STORE_FAILED;
+}
+
 void elmopp_port_say(const char *text) {
     (void)strncat(said, text, sizeof said - strlen(said) - 2U);
     (void)strcat(said, "\n");

@@ -164,6 +164,19 @@ static void test_a_kick_is_one_write(void) {
     TEST_ASSERT_EQUAL_HEX32(0xAAAAU, register_bank_written(&iwdg.kr, 0U));
 }
 
+static void test_the_long_time_begins_anew_only_until_the_first_tick(void) {
+    elmopp_watchdog_t watchdog;
+    elmopp_watchdog_start(&watchdog, &iwdg);
+    register_bank_use(NULL);
+    TEST_ASSERT_TRUE(elmopp_watchdog_begin_anew(&watchdog));
+    TEST_ASSERT_EQUAL_HEX32(0xAAAAU, register_bank_written(&iwdg.kr, 0U));
+    TEST_ASSERT_EQUAL_UINT32(1U, register_bank_accesses());
+    elmopp_watchdog_kick(&watchdog);
+    register_bank_use(NULL);
+    TEST_ASSERT_FALSE(elmopp_watchdog_begin_anew(&watchdog));
+    TEST_ASSERT_EQUAL_UINT32(0U, register_bank_accesses());
+}
+
 static void test_a_watchdog_that_is_always_busy_is_started_and_kicked_all_the_same(void) {
     elmopp_watchdog_t watchdog;
     register_bank_use(busy_watchdog);
@@ -287,6 +300,7 @@ int main(void) {
     RUN_TEST(test_a_crystal_that_comes_one_look_too_late_has_not_come);
     RUN_TEST(test_flash_pll_or_switch_that_do_not_answer_are_named);
     RUN_TEST(test_the_watchdog_starts_long_and_tightens_with_the_first_tick);
+    RUN_TEST(test_the_long_time_begins_anew_only_until_the_first_tick);
     RUN_TEST(test_a_kick_is_one_write);
     RUN_TEST(test_a_watchdog_that_is_always_busy_is_started_and_kicked_all_the_same);
     RUN_TEST(test_of_several_reset_flags_the_one_that_says_most_is_named);

@@ -5,6 +5,11 @@
 /// model, and at the other end of the bus a lamp node. Here the crystal swings and the CAN controller answers, which no
 /// emulator has.
 
+#include "flash_model.h"
+
+/* The sectors in which images are kept: their linker's symbol is the model's memory. */
+#define elmopp_store_area flash_model_memory
+
 /* The port itself: its table of interrupts is reached in no other way. */
 #include "stm32f4_port.c"
 
@@ -12,7 +17,10 @@
 #include "bxcan_model.h"
 #include "elmopp/frames.h"
 #include "elmopp/lamp_node.h"
+#include "elmopp_weights.h"
+#include "image_writer.h"
 #include "seal.h"
+#include "segments.h"
 #include "unity.h"
 
 #include <setjmp.h>
@@ -26,7 +34,8 @@
 typedef enum { ENDED = 1, RESET = 2 } end_t;
 
 extern const elmopp_junction_t elmopp_site_four_way;
-const elmopp_junction_t *const elmopp_board_site = &elmopp_site_four_way;
+static elmopp_junction_t board_site;
+const elmopp_junction_t *const elmopp_board_site = &board_site;
 const uint8_t elmopp_site_slot[4] = {0xFFU, 0xFFU, 0xFFU, 0xFFU};
 const uint8_t elmopp_site_slot_end[1];
 const uint8_t elmopp_weights_slot[4] = {0xFFU, 0xFFU, 0xFFU, 0xFFU};
@@ -39,6 +48,7 @@ static struct elmopp_can_controller_status_t status; /* the last on the bus */
 static uint8_t command_counter;
 static uint8_t camera_counter[ELMOPP_APPROACH_MAX];
 static bool cameras_play;
+static uint32_t may_send; /* segments of a transfer */
 
 /* The board. */
 static jmp_buf end;
@@ -60,6 +70,8 @@ static uint32_t said_length;
 void setUp(void) {
     bxcan_model_reset();
     bxcan_model_break(BXCAN_FAULT_NONE, 0U, UINT32_MAX);
+    flash_model_reset();
+    board_site = elmopp_site_four_way;
     elmopp_lamp_node_init(&node, elmopp_board_site, 0U);
     frames_heard = 0U;
     memset(&status, 0, sizeof status);
@@ -84,7 +96,36 @@ void setUp(void) {
 
 void tearDown(void) {}
 
-/* --- registers: CAN is the model, the rest answers as it should --- */
+/* The power goes and comes: the flash stays, and so does the time of this test. */
+static void power_again(void) {
+    const uint32_t now = ms;
+    bxcan_model_reset();
+    flash_model_restart();
+    ms = now;
+    kicked_ms = now;
+    longest_kick_ms = 0U;
+    reset_flags = ELMOPP_RCC_CSR_PORRSTF;
+    memset(&status, 0, sizeof status);
+    memset(written, 0, sizeof written);
+    told_dropped = 0U;
+    elmopp_lamp_node_init(&node, elmopp_board_site, 0U);
+}
+
+/* --- registers: CAN and flash are models, the rest answers as it should --- */
+
+static uint32_t flash_offset(const elmopp_register_t *place) {
+    return (uint32_t)((uintptr_t)place - (uintptr_t)ELMOPP_FLASH);
+}
+
+/* ACR is the clocks' and the option bytes are this test's. */
+static bool is_flash_models(const elmopp_register_t *place) {
+    return (flash_offset(place) < sizeof *ELMOPP_FLASH) && (place != &ELMOPP_FLASH->acr) &&
+           (place != &ELMOPP_FLASH->optcr);
+}
+
+void flash_model_power_lost(void) {
+    longjmp(end, RESET);
+}
 
 static uint32_t can_offset(const elmopp_register_t *place) {
     return (uint32_t)((uintptr_t)place - (uintptr_t)ELMOPP_CAN1);
@@ -102,6 +143,9 @@ static uint32_t *kept(const elmopp_register_t *place) {
 uint32_t elmopp_register_read(const elmopp_register_t *place) {
     if (can_offset(place) < sizeof *ELMOPP_CAN1) {
         return bxcan_model_read(can_offset(place));
+    }
+    if (is_flash_models(place)) {
+        return flash_model_read(flash_offset(place));
     }
     if (place == &ELMOPP_RCC->cr) {
         return *kept(place) | (crystal ? (ELMOPP_RCC_CR_HSERDY | ELMOPP_RCC_CR_PLLRDY) : 0U);
@@ -127,6 +171,10 @@ uint32_t elmopp_register_read(const elmopp_register_t *place) {
 void elmopp_register_write(elmopp_register_t *place, uint32_t value) {
     if (can_offset(place) < sizeof *ELMOPP_CAN1) {
         bxcan_model_write(can_offset(place), value);
+    } else if (is_flash_models(place)) {
+        flash_model_write(flash_offset(place), value);
+    } else if (((uintptr_t)place - (uintptr_t)flash_model_memory) < sizeof flash_model_memory) {
+        flash_model_program((uint32_t)((uintptr_t)place - (uintptr_t)flash_model_memory), value);
     } else if ((place == &ELMOPP_USART1->dr) && (said_length < (SAID_MAX - 1U))) {
         said[said_length] = (char)value;
         said_length++;
@@ -152,6 +200,9 @@ static void street_listens(void) {
     while (bxcan_model_take_sent(&frame)) {
         frames_heard++;
         (void)elmopp_lamp_node_take(&node, &frame);
+        if ((frame.id == SEGMENTS_ACK) && (frame.data[0] == 0x30U)) {
+            may_send = frame.data[1];
+        }
         if (frame.id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID) {
             TEST_ASSERT_EQUAL_INT(0, elmopp_can_controller_status_unpack(&status, frame.data, sizeof frame.data));
         }
@@ -298,7 +349,7 @@ static void test_what_controllers_listen_to_is_let_through_and_simulated_time_is
     event = all_ids;
     run_ms(3060U);
     const uint32_t feedback = 20U + 1U; /* of the lamp node, meanwhile */
-    TEST_ASSERT_EQUAL_UINT32(4U + ELMOPP_NODE_MAX + ELMOPP_APPROACH_MAX + feedback, let_through);
+    TEST_ASSERT_EQUAL_UINT32(5U + ELMOPP_NODE_MAX + ELMOPP_APPROACH_MAX + feedback, let_through);
 }
 
 static void one_bus_off(uint32_t now_ms) {
@@ -448,6 +499,69 @@ static void test_a_run_that_ends_by_a_fault_is_off_the_bus_at_once(void) {
     TEST_ASSERT_TRUE(node.fail_safe);
 }
 
+/* --- new weights over the bus --- */
+
+#define IMAGE_BYTES (16U + (uint32_t)sizeof(elmopp_weights_t))
+
+static uint8_t image[IMAGE_BYTES];
+static uint32_t sent;      /* frames so far */
+static uint32_t send_from; /* millisecond */
+
+/* A segment a millisecond, as flow control lets him. */
+static void send_weights(uint32_t now_ms) {
+    if ((now_ms >= send_from) && (sent < segments_count(IMAGE_BYTES)) && (may_send > 0U)) {
+        const elmopp_frame_t frame = segments_frame(image, IMAGE_BYTES, sent);
+        bxcan_model_hear(&frame);
+        sent++;
+        may_send--;
+    }
+}
+
+static void make_weights(void) {
+    (void)memcpy(&image[16], &elmopp_weights_lstm, sizeof elmopp_weights_lstm);
+    image[16U + sizeof elmopp_weights_lstm - 4U] ^= 1U;
+    image_seal(image, "ELMW", ELMOPP_WEIGHTS_VERSION_NOW, (uint32_t)sizeof elmopp_weights_lstm);
+    sent = 0U;
+    may_send = 1U;
+    send_from = 50000U;
+}
+
+static uint16_t weights_sent(void) {
+    return (uint16_t)(~image_checksum(&image[16], (uint32_t)sizeof elmopp_weights_lstm) & 0xFFFU);
+}
+
+/* The flash that is erased at the first start, the words that are programmed while lamps run, and a start after it. */
+static void test_weights_over_the_bus_run_are_kept_in_flash_and_are_there_after_a_reset_with_ticks_on_time(void) {
+    board_site.chooser = (uint8_t)ELMOPP_CHOOSER_CUMULATIVE;
+    board_site.forecast = (uint8_t)ELMOPP_FORECAST_LSTM;
+    make_weights();
+    event = send_weights;
+    run_ms(80000U);
+    TEST_ASSERT_EQUAL_UINT32(segments_count(IMAGE_BYTES), sent);
+    TEST_ASSERT_EQUAL_UINT16(weights_sent(), status.weights_id); /* on trial */
+    TEST_ASSERT_EQUAL_UINT32(4U, flash_model_erases());
+    event = NULL;
+    end_ms = ms;
+    power_again();
+    run_ms(30000U);
+    TEST_ASSERT_TRUE(status.weights_id != weights_sent()); /* a reset in the trial: the old ones */
+    make_weights();
+    power_again();
+    event = send_weights;
+    send_from = 0U;
+    run_ms(400000U);
+    TEST_ASSERT_EQUAL_UINT16(weights_sent(), status.weights_id);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_NONE, status.first_fault);
+    TEST_ASSERT_TRUE(longest_kick_ms <= 110U);
+    TEST_ASSERT_FALSE(node.fail_safe);
+    event = NULL;
+    power_again();
+    run_ms(30000U);
+    TEST_ASSERT_EQUAL_UINT16(weights_sent(), status.weights_id); /* they have outlived it */
+    TEST_ASSERT_EQUAL_UINT32(4U, flash_model_erases());
+    TEST_ASSERT_NULL_MESSAGE(flash_model_complaint(), flash_model_complaint());
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_with_crystal_and_can_it_brings_a_junction_up);
@@ -461,5 +575,6 @@ int main(void) {
     RUN_TEST(test_after_a_reset_by_the_watchdog_it_starts_in_fail_safe);
     RUN_TEST(test_a_flood_that_lets_nobody_else_speak_ends_in_fail_safe_with_ticks_on_time);
     RUN_TEST(test_a_run_that_ends_by_a_fault_is_off_the_bus_at_once);
+    RUN_TEST(test_weights_over_the_bus_run_are_kept_in_flash_and_are_there_after_a_reset_with_ticks_on_time);
     return UNITY_END();
 }

@@ -121,7 +121,7 @@ static elmopp_stage_t choose(void *state, const elmopp_view_t *view, float score
 static void power_up(bench_t *self) {
     const elmopp_controller_config_t config = {.junction = &self->junction,
                                                .chooser = {.choose = choose, .state = self, .horizon_s = 0U},
-                                               .forecast = {.kind = ELMOPP_FORECAST_NONE}};
+                                               .forecast = self->forecast};
     elmopp_controller_init(&self->controller, &config);
 }
 

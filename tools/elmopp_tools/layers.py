@@ -71,6 +71,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "plan": LEVEL_0,
     "sight": LEVEL_0,
     "site": LEVEL_0,
+    "store": LEVEL_0,
     "timetable": LEVEL_0,
     # level 2: what is learnt, for all models
     "weights": LEVEL_0 | MODELS,
@@ -86,6 +87,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "priced": LEVEL_0 | {"age"},
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link", "outflow"},
+    "transfer": LEVEL_0 | {"link"},
     # the other side of the bus, a device of its own
     "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
     # level 4: the inner seam
@@ -111,6 +113,8 @@ ROOMS: dict[str, frozenset[str]] = {
         "weights",
     },
 }
+# what has come, is on trial and outlives a reset, beside the controller
+ROOMS["keeper"] = ROOMS["controller"] | {"controller", "store", "transfer"}
 # level 6: a controller with everything that its site names
 ROOMS["station"] = ROOMS["controller"] | {
     "coming",
@@ -144,7 +148,7 @@ _COMMENT_OR_LITERAL = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?
 _INCLUDE = re.compile(r"^[ \t\v]*(?:#|%:)[ \t\v]*(?:include|include_next|import)\b[ \t\v]*(.*?)[ \t\v]*$", re.MULTILINE)
 # The codec that tools/can generates lies beside its definition, and only those who speak to the bus include it.
 CODEC_HEADER = '"elmopp_can.h"'
-CODEC_ROOMS = frozenset({"controller", "frames", "lamp_node"})
+CODEC_ROOMS = frozenset({"controller", "frames", "keeper", "lamp_node", "transfer"})
 
 _CORE_HEADER = re.compile(r'"elmopp/(\w+)\.h"')
 _SYMBOL = re.compile(r"(?P<member>.*): (?P<name>\S+) (?P<kind>\w)(?: |$)")

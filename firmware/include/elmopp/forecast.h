@@ -105,10 +105,10 @@ typedef struct {
 void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junction,
                           const elmopp_forecast_config_t *config);
 
-/// The weights that the configuration points at are others now, of the same kind: learnt on the device. Looks at them
-/// as elmopp_forecast_init() does and keeps everything else. False if they cannot be used; a kind in whole numbers then
-/// goes on with what it made of the last ones, and any other kind is unarmed.
-bool elmopp_forecast_renew(elmopp_forecast_t *self);
+/// Goes on with other weights, or with those that it has and that are others now. What was seen stays; what a network
+/// remembers of it goes if `anew`, as it was another network's. The weights that were used before are no longer looked
+/// at.
+void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew);
 
 /// Absorbs the vehicles per movement of one second: finite, >= 0.
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh);

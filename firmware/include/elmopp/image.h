@@ -33,6 +33,9 @@ typedef struct {
 /// First fault of `length` bytes that ought to be an image of this kind; its body begins at ELMOPP_IMAGE_HEADER.
 elmopp_image_fault_t elmopp_image_check(const elmopp_image_kind_t *kind, const uint8_t *image, uint32_t length);
 
+/// Writes the envelope in front of a body of this kind, which stands at ELMOPP_IMAGE_HEADER already.
+void elmopp_image_seal(const elmopp_image_kind_t *kind, uint8_t *image);
+
 /// The sum of no bytes.
 #define ELMOPP_IMAGE_SUM_START 0xFFFFFFFFU
 

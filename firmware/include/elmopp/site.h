@@ -21,6 +21,7 @@
 #ifndef ELMOPP_SITE_H
 #define ELMOPP_SITE_H
 
+#include "elmopp/image.h"
 #include "elmopp/junction.h"
 
 /// What is wrong. `first` and `second` of the verdict index what is named in brackets.
@@ -92,6 +93,9 @@ elmopp_site_verdict_t elmopp_site_check_special_day(const elmopp_junction_t *jun
 /// The shortest bound on red that can be kept: the change under way when a bound comes near, and one for each different
 /// stage that movements are rescued by (plan.h). Tenths of a second. Needs counts within bounds, nothing else.
 uint32_t elmopp_site_red_bound_min_ds(const elmopp_junction_t *junction);
+
+/// What an image of a site is.
+const elmopp_image_kind_t *elmopp_site_kind(void);
 
 /// Copies a checked image into `out`. On any fault `out` is unchanged. Needs a little-endian target (all of ours are).
 elmopp_site_verdict_t elmopp_site_load(const uint8_t *image, uint32_t length, elmopp_junction_t *out);

@@ -19,6 +19,7 @@
 #include "elmopp/ann_f32.h"
 #include "elmopp/ar8.h"
 #include "elmopp/gcn_f32.h"
+#include "elmopp/image.h"
 #include "elmopp/lstm_f32.h"
 
 #include <assert.h>
@@ -60,8 +61,14 @@ typedef enum {
 /// What a fault is called, for a status line. Never null, whatever the number.
 const char *elmopp_weights_fault_name(elmopp_weights_fault_t fault);
 
+/// What an image of weights is.
+const elmopp_image_kind_t *elmopp_weights_kind(void);
+
 /// First fault of the struct itself, ELMOPP_WEIGHTS_LEVELS or later; ELMOPP_WEIGHTS_OK if it can be used.
 elmopp_weights_fault_t elmopp_weights_check(const elmopp_weights_t *weights);
+
+/// First fault of an image in place; ELMOPP_WEIGHTS_OK if its body can be used where it stands.
+elmopp_weights_fault_t elmopp_weights_check_image(const uint8_t *image, uint32_t length);
 
 /// Copies a checked image into `out`. On any fault `out` is unchanged.
 elmopp_weights_fault_t elmopp_weights_load(const uint8_t *image, uint32_t length, elmopp_weights_t *out);

@@ -12,6 +12,10 @@
 /// not fit (ELMOPP_FAULT_SITE_CHANGED, ELMOPP_FAULT_WEIGHTS_CHANGED). The last good ones, those compiled in, then stay.
 /// A slot that begins with a word of zeros or of ones is empty.
 ///
+/// In force is what a person has stored by hand; otherwise what came over the bus and was kept (keeper.h); otherwise
+/// what is compiled in. What is kept is tidied up before the first lamp tick, when an erase may hold everything up, and
+/// written ELMOPP_BOARD_ORDERS_MAX words a tick: 1 ms of flash mostly, 6.4 at most.
+///
 /// Between two looks at the clock it takes ELMOPP_BOARD_FRAMES_MAX frames at most: a flood does not keep lamps waiting.
 
 #ifndef ELMOPP_BOARD_H
@@ -22,6 +26,8 @@
 #include <stdbool.h>
 
 #define ELMOPP_BOARD_FRAMES_MAX 64U
+#define ELMOPP_BOARD_ORDERS_MAX 64U
+#define ELMOPP_BOARD_SAVE_MIN_S 86400U ///< a day between two stores of what was learned
 
 /// The site that is compiled in. Defined by the image's site (CMake option ELMOPP_BOARD_SITE).
 extern const elmopp_junction_t *const elmopp_board_site;

@@ -4,6 +4,7 @@
 #include "board.h"
 
 #include "elmopp/image.h"
+#include "elmopp/keeper.h"
 #include "elmopp/site.h"
 #include "elmopp/station.h"
 #include "elmopp_weights.h"
@@ -25,11 +26,20 @@ typedef struct {
     bool weights;
 } troubles_t;
 
-static elmopp_station_t station;
-static elmopp_junction_t stored_site;
-static elmopp_weights_t stored_weights;
+/* What a person has put into the board. */
+typedef struct {
+    bool has_site; /* something stands there, good or not */
+    bool has_weights;
+    const elmopp_junction_t *site; /* null: none that can be used */
+    const elmopp_weights_t *weights;
+} by_hand_t;
 
-/* --- what is stored --- */
+static elmopp_station_t station;
+static elmopp_keeper_t keeper;
+static elmopp_junction_t stored_site;
+static by_hand_t by_hand;
+
+/* --- what is stored by hand --- */
 
 static bool is_empty(const elmopp_port_slot_t *slot) {
     bool zeros = true;
@@ -41,70 +51,106 @@ static bool is_empty(const elmopp_port_slot_t *slot) {
     return zeros || ones;
 }
 
-static const elmopp_junction_t *load_site(troubles_t *troubles) {
-    const elmopp_port_slot_t slot = elmopp_port_site_slot();
+/* Null: nothing is stored, or nothing that can be used. */
+static const elmopp_junction_t *load_site(const elmopp_port_slot_t *slot, troubles_t *troubles) {
     const uint32_t length = ELMOPP_IMAGE_HEADER + (uint32_t)sizeof stored_site;
-    if (is_empty(&slot)) {
-        return elmopp_board_site;
-    }
-    if ((slot.size < length) || (elmopp_site_load(slot.bytes, length, &stored_site).fault != ELMOPP_SITE_OK)) {
+    if ((slot->size < length) || (elmopp_site_load(slot->bytes, length, &stored_site).fault != ELMOPP_SITE_OK)) {
         elmopp_port_say("the stored site is refused: it is not what tools/site writes");
         troubles->site = true;
-        return elmopp_board_site;
+        return NULL;
     }
     if (stored_site.simulation_only != 0U) {
         elmopp_port_say("the stored site is refused: it is simulation_only and drives no lamps:");
         elmopp_port_say(stored_site.name);
         troubles->site = true;
-        return elmopp_board_site;
+        return NULL;
     }
     return &stored_site;
 }
 
-/* Null: nothing is stored, or nothing that can be used. */
-static const elmopp_weights_t *load_weights(troubles_t *troubles) {
-    const elmopp_port_slot_t slot = elmopp_port_weights_slot();
-    const uint32_t length = ELMOPP_IMAGE_HEADER + (uint32_t)sizeof stored_weights;
-    if (is_empty(&slot)) {
-        return NULL;
-    }
+/* They are used where they stand. */
+static const elmopp_weights_t *load_weights(const elmopp_port_slot_t *slot, troubles_t *troubles) {
+    const uint32_t length = ELMOPP_IMAGE_HEADER + (uint32_t)sizeof(elmopp_weights_t);
     const elmopp_weights_fault_t fault =
-        (slot.size < length) ? ELMOPP_WEIGHTS_LENGTH : elmopp_weights_load(slot.bytes, length, &stored_weights);
+        (slot->size < length) ? ELMOPP_WEIGHTS_LENGTH : elmopp_weights_check_image(slot->bytes, length);
     if (fault != ELMOPP_WEIGHTS_OK) {
         elmopp_port_say("the stored weights are refused:");
         elmopp_port_say(elmopp_weights_fault_name(fault));
         troubles->weights = true;
         return NULL;
     }
-    return &stored_weights;
+    const void *body = &slot->bytes[ELMOPP_IMAGE_HEADER];
+    return (const elmopp_weights_t *)body;
 }
 
-/* The stored network if it is of the kind that the site asks for, the shipped one otherwise. */
-static const elmopp_weights_t *choose_weights(const elmopp_junction_t *junction, const elmopp_weights_t *stored,
-                                              troubles_t *troubles) {
+static void load_by_hand(troubles_t *troubles) {
+    const elmopp_port_slot_t site = elmopp_port_site_slot();
+    const elmopp_port_slot_t weights = elmopp_port_weights_slot();
+    by_hand.has_site = !is_empty(&site);
+    by_hand.has_weights = !is_empty(&weights);
+    by_hand.site = by_hand.has_site ? load_site(&site, troubles) : NULL;
+    by_hand.weights = by_hand.has_weights ? load_weights(&weights, troubles) : NULL;
+}
+
+/* --- what is in force: by hand, from the bus, or compiled in --- */
+
+static const elmopp_junction_t *site_in_force(void) {
+    const elmopp_junction_t *site = by_hand.has_site ? by_hand.site : elmopp_keeper_site(&keeper);
+    return (site == NULL) ? elmopp_board_site : site;
+}
+
+static const elmopp_weights_t *shipped_for(const elmopp_junction_t *junction) {
+    return elmopp_forecast_is_nested(junction->forecast) ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
+}
+
+/* What came over the bus was right for the site that ran then; another one may have no use for it. */
+static const elmopp_weights_t *weights_in_force(const elmopp_junction_t *junction) {
+    const elmopp_weights_t *weights = by_hand.has_weights ? by_hand.weights : elmopp_keeper_weights(&keeper);
+    return elmopp_forecast_fits(junction->forecast, weights) ? weights : shipped_for(junction);
+}
+
+/* Weights by hand must be of the kind that the site asks for: who put them there meant them to be used. */
+static void check_weights_by_hand(const elmopp_junction_t *junction, troubles_t *troubles) {
     const bool nested = elmopp_forecast_is_nested(junction->forecast);
-    const elmopp_weights_t *shipped = nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
-    if (stored == NULL) {
-        return shipped;
-    }
-    if ((stored->lstm.levels > 1U) != nested) {
+    if ((by_hand.weights != NULL) && ((by_hand.weights->lstm.levels > 1U) != nested)) {
         elmopp_port_say("the stored weights are refused: the site asks for a network of another kind");
         troubles->weights = true;
-        return shipped;
+        by_hand.weights = NULL;
     }
-    if (elmopp_forecast_is_network(junction->forecast) && (!elmopp_forecast_fits(junction->forecast, stored))) {
+    if ((by_hand.weights != NULL) && elmopp_forecast_is_network(junction->forecast) &&
+        (!elmopp_forecast_fits(junction->forecast, by_hand.weights))) {
         elmopp_port_say("the stored weights are refused: in whole numbers a row of them could overflow");
         troubles->weights = true;
-        return shipped;
+        by_hand.weights = NULL;
     }
-    return stored;
+}
+
+/* --- what outlives a reset --- */
+
+static void work_for_store(uint32_t orders_max) {
+    elmopp_transfer_kind_t kind = ELMOPP_TRANSFER_NOTHING;
+    elmopp_store_order_t order;
+    for (uint32_t k = 0U; (k < orders_max) && elmopp_keeper_next(&keeper, &kind, &order); k++) {
+        elmopp_keeper_answer(&keeper, kind, elmopp_port_store(kind, &order));
+    }
+}
+
+static void open_keeper(void) {
+    const elmopp_keeper_config_t config = {.weights = elmopp_port_medium(ELMOPP_TRANSFER_WEIGHTS),
+                                           .site = elmopp_port_medium(ELMOPP_TRANSFER_SITE),
+                                           .weights_by_hand = by_hand.has_weights,
+                                           .site_by_hand = by_hand.has_site,
+                                           .save_min_s = ELMOPP_BOARD_SAVE_MIN_S};
+    elmopp_keeper_init(&keeper, &config);
+    work_for_store(ELMOPP_KEEPER_TIDY_ORDERS_MAX);
 }
 
 /* --- a run --- */
 
-static void begin(const elmopp_junction_t *junction, const elmopp_weights_t *weights, const troubles_t *troubles) {
+static void begin(const troubles_t *troubles) {
     elmopp_controller_t *controller = &station.controller;
-    elmopp_station_init(&station, junction, &elmopp_weights_lstm.ar8, weights);
+    const elmopp_junction_t *junction = site_in_force();
+    elmopp_station_init(&station, junction, &elmopp_weights_lstm.ar8, weights_in_force(junction));
     if (troubles->processor) {
         elmopp_controller_report(controller, ELMOPP_FAULT_PROCESSOR);
     }
@@ -123,10 +169,10 @@ static void take_frames(elmopp_controller_t *controller) {
         go_on = elmopp_port_receive(&frame);
         if (go_on && elmopp_pace_take(&frame)) {
             go_on = false;
-        } else if (go_on) {
+        } else if (go_on && (!elmopp_keeper_take(&keeper, controller, &frame))) {
             (void)elmopp_controller_take(controller, &frame);
         } else {
-            /* nothing more has come */
+            /* nothing more has come, or the keeper has taken it */
         }
     }
 }
@@ -156,15 +202,41 @@ static void tell(const elmopp_controller_t *controller, elmopp_mode_t before) {
     }
 }
 
-static void tick(elmopp_controller_t *controller, elmopp_ms_t now_ms, bool memory_is_broken) {
+static void use_what_is_new(elmopp_keeper_change_t change, const troubles_t *troubles) {
+    if (change == ELMOPP_KEEPER_BEGIN) {
+        begin(troubles);
+        if (keeper.fault != ELMOPP_FAULT_NONE) {
+            elmopp_controller_report(&station.controller, keeper.fault);
+        }
+    } else if (change == ELMOPP_KEEPER_USE_WEIGHTS) {
+        elmopp_controller_use_weights(&station.controller, weights_in_force(station.controller.junction));
+    } else {
+        /* it goes on */
+    }
+}
+
+static elmopp_keeper_change_t keep(elmopp_controller_t *controller) {
+    elmopp_frame_t out[ELMOPP_KEEPER_FRAMES];
+    uint32_t count = 0U;
+    const elmopp_keeper_change_t change = elmopp_keeper_tick(&keeper, controller, out, &count);
+    for (uint32_t k = 0U; k < count; k++) {
+        (void)elmopp_port_send(&out[k]);
+    }
+    return change;
+}
+
+static void tick(elmopp_controller_t *controller, elmopp_ms_t now_ms, const troubles_t *troubles) {
     elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK];
     const elmopp_mode_t before = controller->mode;
-    report(controller, memory_is_broken);
+    report(controller, troubles->memory);
     elmopp_controller_refuse(controller, elmopp_port_dropped());
     elmopp_controller_hold_reset(controller, elmopp_port_reset_is_held());
     const uint32_t count = elmopp_controller_tick(controller, now_ms, out);
+    const elmopp_keeper_change_t change = (count > 0U) ? keep(controller) : ELMOPP_KEEPER_GO_ON;
     elmopp_pace_send(controller, out, count);
     tell(controller, before);
+    use_what_is_new(change, troubles);
+    work_for_store(ELMOPP_BOARD_ORDERS_MAX);
     elmopp_port_kick_watchdog();
 }
 
@@ -174,18 +246,19 @@ void elmopp_board_run(bool memory_is_good) {
     elmopp_port_init();
     troubles.memory = !(memory_is_good && elmopp_seal_is_whole());
     troubles.processor = elmopp_note_take();
-    const elmopp_junction_t *junction = load_site(&troubles);
-    const elmopp_weights_t *weights = choose_weights(junction, load_weights(&troubles), &troubles);
-    begin(junction, weights, &troubles);
+    load_by_hand(&troubles);
+    open_keeper();
+    check_weights_by_hand(site_in_force(), &troubles);
+    begin(&troubles);
     elmopp_pace_begin();
     for (;;) {
         elmopp_ms_t now_ms = 0U;
         take_frames(controller);
         const elmopp_pace_due_t due = elmopp_pace_due(&now_ms);
         if (due == ELMOPP_PACE_ANEW) {
-            begin(junction, weights, &troubles);
+            begin(&troubles);
         } else if (due == ELMOPP_PACE_TICK) {
-            tick(controller, now_ms, troubles.memory);
+            tick(controller, now_ms, &troubles);
         } else {
             elmopp_pace_wait();
         }

@@ -80,19 +80,10 @@ void CanSocket::open(bool at_start) {
         give_up(errno);
         return;
     }
-    std::vector<can_filter> filters;
-    filters.reserve(ids_.size());
-    for (const std::uint16_t id : ids_) {
-        filters.push_back({id, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG});
-    }
     const can_err_mask_t errors = CAN_ERR_MASK;
     const int room = receive_room_bytes;
     const int on = 1;
-    bool set = true;
-    if (!filters.empty()) {
-        set = setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
-                         static_cast<socklen_t>(filters.size() * sizeof(can_filter))) == 0;
-    }
+    bool set = filter();
     set = set && setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0;
     (void)setsockopt(descriptor_, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
     (void)setsockopt(descriptor_, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on);
@@ -106,6 +97,23 @@ void CanSocket::open(bool at_start) {
     if (!set || bind(descriptor_, reinterpret_cast<const sockaddr *>(&address), sizeof address) != 0) {
         // A network interface of another kind is refused as if it were none.
         give_up(errno == ENODEV ? EINVAL : errno);
+    }
+}
+
+bool CanSocket::filter() const {
+    std::vector<can_filter> filters;
+    filters.reserve(ids_.size());
+    for (const std::uint16_t id : ids_) {
+        filters.push_back({id, CAN_SFF_MASK | CAN_EFF_FLAG | CAN_RTR_FLAG});
+    }
+    return filters.empty() || setsockopt(descriptor_, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
+                                         static_cast<socklen_t>(filters.size() * sizeof(can_filter))) == 0;
+}
+
+void CanSocket::listen_to(std::vector<std::uint16_t> ids) {
+    ids_ = std::move(ids);
+    if (descriptor_ >= 0 && !filter()) {
+        close(); // looked for again, with the new ids
     }
 }
 

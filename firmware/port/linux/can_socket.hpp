@@ -43,6 +43,9 @@ class CanSocket {
     CanSocket(CanSocket &&) = delete;
     CanSocket &operator=(CanSocket &&) = delete;
 
+    /// From now on other ids, for another junction.
+    void listen_to(std::vector<std::uint16_t> ids);
+
     /// To wait on; -1 while the interface is gone.
     [[nodiscard]] int descriptor() const {
         return descriptor_;
@@ -63,6 +66,7 @@ class CanSocket {
 
   private:
     void open(bool at_start);
+    [[nodiscard]] bool filter() const;
     void close();
     void find_again();
     void count_error(std::uint32_t what, std::uint32_t controller);

@@ -12,13 +12,16 @@
 #include "can_socket.hpp"
 #include "decision_log.hpp"
 #include "error.hpp"
+#include "file_store.hpp"
 #include "networks.hpp"
 #include "program.hpp"
 #include "sites.hpp"
+#include "transfer_words.hpp"
 #include "wakeups.hpp"
 
 extern "C" {
 #include "bus_clock.h"
+#include "elmopp/keeper.h"
 #include "elmopp/station.h"
 #include "elmopp_can.h"
 #include "elmopp_weights.h"
@@ -34,6 +37,7 @@ extern "C" {
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace elmopp {
@@ -45,6 +49,7 @@ struct Request {
     std::string can;
     std::string site;
     std::string weights;
+    std::string store;
     std::string clock = "real";
     std::string log;
 };
@@ -56,7 +61,7 @@ void say_it(const std::string &text) {
 /// What the controller listens to; the kernel drops the rest.
 std::vector<std::uint16_t> wanted_ids(const elmopp_junction_t &junction, bool bus_clock) {
     std::vector<std::uint16_t> ids{ELMOPP_CAN_COMMAND_FRAME_ID, ELMOPP_CAN_LAMP_COMMAND_FRAME_ID,
-                                   ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID};
+                                   ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID, ELMOPP_CAN_TRANSFER_FRAME_ID};
     const auto add = [&ids](unsigned first, unsigned index) {
         ids.push_back(static_cast<std::uint16_t>(first + index));
     };
@@ -121,11 +126,103 @@ class StreetLog {
     std::size_t seconds_ = 0;
 };
 
+/// The shipped weights for the site's network.
+const elmopp_weights_t *shipped_for(const elmopp_junction_t &junction) {
+    return elmopp_forecast_is_nested(junction.forecast) ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
+}
+
+/// What is in force: what has come over the bus and was kept, or is on trial; otherwise what the command line says.
+class Kept {
+  public:
+    Kept(const std::string &folder, const elmopp_junction_t &site, const elmopp_weights_t *weights)
+        : base_site_(site), base_weights_(weights), keeper_(std::make_unique<elmopp_keeper_t>()) {
+        elmopp_keeper_config_t config{};
+        config.save_min_s = 3600;
+        if (!folder.empty()) {
+            folder_.emplace(folder);
+            weights_files_.emplace(folder, "weights", image_bytes(*elmopp_weights_kind()));
+            site_files_.emplace(folder, "site", image_bytes(*elmopp_site_kind()));
+            config.weights = weights_files_->medium();
+            config.site = site_files_->medium();
+        }
+        elmopp_keeper_init(keeper_.get(), &config);
+        if (elmopp_keeper_site(keeper_.get()) != nullptr) {
+            say_it("the site is the one that came over the bus, " + std::string(site_in_force().name) + " in " +
+                   folder + "/site.*, not that of --site");
+        }
+        if (elmopp_keeper_weights(keeper_.get()) != nullptr) {
+            say_it("the weights are those that were kept in " + folder + "/weights.*");
+        }
+    }
+
+    [[nodiscard]] elmopp_keeper_t &keeper() {
+        return *keeper_;
+    }
+
+    [[nodiscard]] const elmopp_junction_t &site_in_force() const {
+        const elmopp_junction_t *kept = elmopp_keeper_site(keeper_.get());
+        return kept != nullptr ? *kept : base_site_;
+    }
+
+    /// Those that the site can use: its own shipped ones, if nothing else fits.
+    [[nodiscard]] const elmopp_weights_t *weights_in_force() const {
+        const elmopp_junction_t &site = site_in_force();
+        const elmopp_weights_t *kept = elmopp_keeper_weights(keeper_.get());
+        for (const elmopp_weights_t *weights : {kept, base_weights_}) {
+            if (elmopp_forecast_fits(site.forecast, weights)) {
+                return weights;
+            }
+        }
+        return shipped_for(site);
+    }
+
+    /// Carries out what the stores want done, as long as that takes no time.
+    void work() {
+        elmopp_transfer_kind_t kind = ELMOPP_TRANSFER_NOTHING;
+        elmopp_store_order_t order{};
+        for (unsigned k = 0; k < orders_of_a_tick && elmopp_keeper_next(keeper_.get(), &kind, &order); ++k) {
+            FileStore &files = kind == ELMOPP_TRANSFER_SITE ? site_files_.value() : weights_files_.value();
+            const elmopp_store_answer_t answer = files.carry_out(order);
+            if (answer == ELMOPP_STORE_FAILED) {
+                say_it("not kept: " + files.trouble());
+            }
+            elmopp_keeper_answer(keeper_.get(), kind, answer);
+            if (answer == ELMOPP_STORE_LATER) {
+                return;
+            }
+        }
+    }
+
+    /// Says once what has become of an image.
+    void tell() {
+        const elmopp_transfer_report_t &now = keeper_->told;
+        if (now.state != told_.state || now.reason != told_.reason || now.kind != told_.kind) {
+            say_it(in_words(now));
+            told_ = now;
+        }
+    }
+
+  private:
+    static constexpr unsigned orders_of_a_tick = 1024;
+
+    static std::uint32_t image_bytes(const elmopp_image_kind_t &kind) {
+        return ELMOPP_IMAGE_HEADER + kind.body_bytes;
+    }
+
+    const elmopp_junction_t &base_site_;
+    const elmopp_weights_t *base_weights_;
+    std::optional<StoreFolder> folder_;
+    std::optional<FileStore> weights_files_;
+    std::optional<FileStore> site_files_;
+    std::unique_ptr<elmopp_keeper_t> keeper_;
+    elmopp_transfer_report_t told_{};
+};
+
 class Program {
   public:
     Program(const Request &request, const elmopp_junction_t &junction, const elmopp_weights_t *weights)
-        : bus_clock_(request.clock == "bus"), junction_(junction), weights_(weights), log_(request.log),
-          socket_(request.can, wanted_ids(junction, bus_clock_)),
+        : bus_clock_(request.clock == "bus"), kept_(request.store, junction, weights), log_(request.log),
+          socket_(request.can, wanted_ids(kept_.site_in_force(), bus_clock_)),
           wakeups_(bus_clock_ ? 0 : ELMOPP_CONTROLLER_TICK_MS, {SIGTERM, SIGINT, SIGUSR1, SIGUSR2}),
           station_(std::make_unique<elmopp_station_t>()), reporter_(program_name, request.can) {
         begin();
@@ -154,7 +251,8 @@ class Program {
     }
 
     void begin() {
-        elmopp_station_init(station_.get(), &junction_, &elmopp_weights_lstm.ar8, weights_);
+        elmopp_station_init(station_.get(), &kept_.site_in_force(), &elmopp_weights_lstm.ar8, kept_.weights_in_force());
+        elmopp_controller_hold_reset(&controller(), reset_held_);
         elmopp_link_init(&time_link_);
         trace_counter_ = 0;
         stopping_ = false;
@@ -163,7 +261,8 @@ class Program {
     void obey_signals() {
         while (const auto signal = wakeups_.signal()) {
             if (*signal == SIGUSR1 || *signal == SIGUSR2) {
-                elmopp_controller_hold_reset(&controller(), *signal == SIGUSR1);
+                reset_held_ = *signal == SIGUSR1;
+                elmopp_controller_hold_reset(&controller(), reset_held_);
                 say_it(*signal == SIGUSR1 ? "the local reset is held" : "the local reset is let go");
             } else {
                 say_it("asked to stop: all red first");
@@ -178,7 +277,7 @@ class Program {
         take_what_came(socket_, [this](const elmopp_frame_t &frame) {
             if (bus_clock_ && frame.id == ELMOPP_CAN_SIM_TIME_FRAME_ID) {
                 take_time(frame);
-            } else {
+            } else if (!elmopp_keeper_take(&kept_.keeper(), &controller(), &frame)) {
                 (void)elmopp_controller_take(&controller(), &frame);
             }
         });
@@ -218,6 +317,39 @@ class Program {
         }
     }
 
+    /// As begin(), but whoever gives the time goes on, and who has been asked to stop still is.
+    void begin_with_other_site() {
+        const elmopp_link_t time_link = time_link_;
+        const bool stopping = stopping_;
+        socket_.listen_to(wanted_ids(kept_.site_in_force(), bus_clock_));
+        begin();
+        time_link_ = time_link;
+        stopping_ = stopping;
+        if (stopping_) {
+            elmopp_controller_stop(&controller());
+        }
+    }
+
+    /// What the keeper says, and what is new from now on.
+    void keep() {
+        std::array<elmopp_frame_t, ELMOPP_KEEPER_FRAMES> out{};
+        std::uint32_t count = 0;
+        const elmopp_keeper_change_t change = elmopp_keeper_tick(&kept_.keeper(), &controller(), out.data(), &count);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            (void)(bus_clock_ ? socket_.send_surely(out.at(k)) : socket_.send(out.at(k)));
+        }
+        kept_.tell();
+        if (change == ELMOPP_KEEPER_BEGIN) {
+            begin_with_other_site();
+            if (kept_.keeper().fault != ELMOPP_FAULT_NONE) {
+                elmopp_controller_report(&controller(), kept_.keeper().fault);
+            }
+        } else if (change == ELMOPP_KEEPER_USE_WEIGHTS) {
+            elmopp_controller_use_weights(&controller(), kept_.weights_in_force());
+        }
+        kept_.work();
+    }
+
     void tick(elmopp_ms_t now_ms) {
         std::array<elmopp_frame_t, ELMOPP_FRAMES_PER_TICK> out{};
         const std::uint32_t count = elmopp_controller_tick(&controller(), now_ms, out.data());
@@ -234,6 +366,7 @@ class Program {
         }
         if (count > 0) {
             tell_service();
+            keep();
         }
         done_ = done_ || (stopping_ && elmopp_controller_has_stopped(&controller()));
     }
@@ -248,8 +381,7 @@ class Program {
     }
 
     bool bus_clock_;
-    const elmopp_junction_t &junction_;
-    const elmopp_weights_t *weights_;
+    Kept kept_;
     StreetLog log_;
     CanSocket socket_;
     Wakeups wakeups_;
@@ -259,6 +391,7 @@ class Program {
     std::uint8_t trace_counter_ = 0;
     std::uint64_t missed_ = 0;
     bool ready_ = false;
+    bool reset_held_ = false;
     bool stopping_ = false;
     bool done_ = false;
 };
@@ -267,12 +400,6 @@ void check_clock(const Request &request) {
     if (request.clock != "real" && request.clock != "bus") {
         throw BadRequest("--clock \"" + request.clock + "\": right would be real or bus");
     }
-}
-
-/// The shipped weights for the site's network, unless a file was given.
-const elmopp_weights_t *weights_of(const elmopp_junction_t &junction, const elmopp_weights_t *given) {
-    const bool nested = elmopp_forecast_is_nested(junction.forecast);
-    return given != nullptr ? given : (nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm);
 }
 
 void check_weights(const Request &request, const elmopp_junction_t &junction, const elmopp_weights_t &weights) {
@@ -301,7 +428,7 @@ void run(const Request &request) {
     if (const std::string warning = check_can(request.can); !warning.empty()) {
         say_it(warning);
     }
-    Program program(request, junction, weights_of(junction, given.get()));
+    Program program(request, junction, given.get());
     (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
     program.run();
     say_it("stopped; " + std::to_string(program.missed()) + " lamp ticks were missed");
@@ -315,6 +442,9 @@ void add_options(CLI::App &app, Request &request) {
     app.add_option("--can", request.can, "CAN interface, 500 kbit/s")->type_name("IFACE")->required();
     app.add_option("--site", request.site, "The junction, .toml or .bin")->type_name("FILE")->required();
     app.add_option("--weights", request.weights, "ELMW image instead of the shipped network")->type_name("FILE");
+    app.add_option("--store", request.store,
+                   "Folder for weights and a site that come over the bus; what is kept there is in force")
+        ->type_name("FOLDER");
     app.add_option("--clock", request.clock, "real, or bus: a simulator's SimTime frames are the lamp ticks")
         ->type_name("NAME")
         ->capture_default_str();

@@ -25,6 +25,13 @@
 #define INTERRUPTS 32U
 #define CHARACTERS_MAX 512U /* of one call */
 
+/* As large as the STM32F405's, so that the same happens. */
+#define SECTORS 2U
+#define SECTOR_BYTES 0x20000U
+#define SECTOR_SLOTS 3U
+#define SLOT_BYTES 0xA000U
+#define ONES 0xFFFFFFFFU
+
 /* The first time that the watchdog runs out it is a non-maskable interrupt, which ends the run as a fault does; the
    second time it resets (Arm DDI 0479D, 4.5). Lamp nodes flash long before. */
 #define WATCHDOG_LOAD (*(volatile uint32_t *)0x40008000U)
@@ -39,6 +46,8 @@ extern const uint8_t elmopp_site_slot[]; /* from the linker script */
 extern const uint8_t elmopp_site_slot_end[];
 extern const uint8_t elmopp_weights_slot[];
 extern const uint8_t elmopp_weights_slot_end[];
+extern uint32_t elmopp_weights_store[];
+extern uint32_t elmopp_site_store[];
 
 static elmopp_uart_t bus_uart;
 static elmopp_uart_t people_uart;
@@ -154,6 +163,32 @@ elmopp_port_slot_t elmopp_port_site_slot(void) {
 
 elmopp_port_slot_t elmopp_port_weights_slot(void) {
     return (elmopp_port_slot_t){elmopp_weights_slot, (uint32_t)(elmopp_weights_slot_end - elmopp_weights_slot)};
+}
+
+static uint32_t *store_of(elmopp_transfer_kind_t kind) {
+    return (kind == ELMOPP_TRANSFER_SITE) ? elmopp_site_store : elmopp_weights_store;
+}
+
+elmopp_store_medium_t elmopp_port_medium(elmopp_transfer_kind_t kind) {
+    return (elmopp_store_medium_t){.bytes = (const uint8_t *)store_of(kind),
+                                   .sectors = SECTORS,
+                                   .sector_bytes = SECTOR_BYTES,
+                                   .sector_slots = SECTOR_SLOTS,
+                                   .slot_bytes = SLOT_BYTES,
+                                   .erases_any_time = false};
+}
+
+/* Memory that behaves as flash: programming clears bits and sets none. */
+elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmopp_store_order_t *order) {
+    volatile uint32_t *word = &store_of(kind)[order->at / sizeof(uint32_t)];
+    if (order->action == ELMOPP_STORE_ERASE) {
+        for (uint32_t k = 0U; k < (SECTOR_BYTES / sizeof(uint32_t)); k++) {
+            word[k] = ONES;
+        }
+    } else {
+        *word &= order->word;
+    }
+    return ELMOPP_STORE_DONE;
 }
 
 void elmopp_port_say(const char *text) {

@@ -12,6 +12,7 @@ add_library(elmopp_stm32f4_drivers STATIC
     ${CMAKE_CURRENT_LIST_DIR}/bxcan_mailbox.c
     ${CMAKE_CURRENT_LIST_DIR}/clocks.c
     ${CMAKE_CURRENT_LIST_DIR}/debounce.c
+    ${CMAKE_CURRENT_LIST_DIR}/flash_writer.c
     ${CMAKE_CURRENT_LIST_DIR}/pins.c
     ${CMAKE_CURRENT_LIST_DIR}/reset_cause.c
     ${CMAKE_CURRENT_LIST_DIR}/serial.c

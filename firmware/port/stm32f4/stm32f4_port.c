@@ -15,6 +15,7 @@
 #include "clocks.h"
 #include "debounce.h"
 #include "elmopp_can.h"
+#include "flash_writer.h"
 #include "note.h"
 #include "pins.h"
 #include "port.h"
@@ -33,6 +34,14 @@ extern const uint8_t elmopp_site_slot[]; /* from the linker script */
 extern const uint8_t elmopp_site_slot_end[];
 extern const uint8_t elmopp_weights_slot[];
 extern const uint8_t elmopp_weights_slot_end[];
+extern elmopp_register_t elmopp_store_area[];
+
+/* What comes over the bus is kept in two sectors a kind. */
+#define STORE_SECTORS 2U
+#define STORE_BYTES (STORE_SECTORS * ELMOPP_FLASH_WRITER_SECTOR_BYTES)
+#define STORE_SECTOR_SLOTS 3U
+#define STORE_SLOT_BYTES 0xA000U
+static_assert((2U * STORE_BYTES) == ELMOPP_FLASH_WRITER_BYTES, "weights, then a site");
 
 /* Whatever a controller listens to, at any site; SimTime is not among them. */
 #define FEEDBACK(node) (ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID + (node))
@@ -41,6 +50,7 @@ static const uint16_t wanted_ids[] = {
     ELMOPP_CAN_LAMP_COMMAND_FRAME_ID, /* of a second controller, as the next one */
     ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID,
     ELMOPP_CAN_COMMAND_FRAME_ID,
+    ELMOPP_CAN_TRANSFER_FRAME_ID,
     ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID,
     FEEDBACK(0U),
     FEEDBACK(1U),
@@ -67,6 +77,7 @@ static elmopp_watchdog_t watchdog;
 static elmopp_debounce_t key;
 static elmopp_clocks_t clocks;
 static bool brown_out_is_set;
+static elmopp_flash_writer_trouble_t flash_trouble;
 static uint32_t told_dropped;
 static elmopp_bxcan_state_t told_state;
 static uint32_t told_passives;
@@ -231,6 +242,50 @@ elmopp_port_slot_t elmopp_port_site_slot(void) {
 
 elmopp_port_slot_t elmopp_port_weights_slot(void) {
     return (elmopp_port_slot_t){elmopp_weights_slot, (uint32_t)(elmopp_weights_slot_end - elmopp_weights_slot)};
+}
+
+static uint32_t store_at(elmopp_transfer_kind_t kind) {
+    return (kind == ELMOPP_TRANSFER_SITE) ? STORE_BYTES : 0U;
+}
+
+elmopp_store_medium_t elmopp_port_medium(elmopp_transfer_kind_t kind) {
+    const volatile void *area = elmopp_store_area;
+    return (elmopp_store_medium_t){.bytes = &((const uint8_t *)area)[store_at(kind)],
+                                   .sectors = STORE_SECTORS,
+                                   .sector_bytes = ELMOPP_FLASH_WRITER_SECTOR_BYTES,
+                                   .sector_slots = STORE_SECTOR_SLOTS,
+                                   .slot_bytes = STORE_SLOT_BYTES,
+                                   .erases_any_time = false};
+}
+
+/* A supply that may be too low for 32 bits at a time, or a clock that is not what was reckoned with, writes nothing. An
+   erase would stop the lamps and bite the watchdog: never after the first lamp tick. */
+static elmopp_flash_writer_trouble_t write_flash(uint32_t at, const elmopp_store_order_t *order) {
+    const elmopp_flash_writer_t writer = {
+        .registers = ELMOPP_FLASH, .memory = elmopp_store_area, .erase_looks = ELMOPP_FLASH_WRITER_ERASE_LOOKS};
+    elmopp_flash_writer_trouble_t trouble = ELMOPP_FLASH_WRITER_PLACE;
+    if (order->action != ELMOPP_STORE_ERASE) {
+        trouble = elmopp_flash_writer_program(&writer, at, order->word);
+    } else if (elmopp_watchdog_begin_anew(&watchdog)) {
+        trouble = elmopp_flash_writer_erase(&writer, at);
+        (void)elmopp_watchdog_begin_anew(&watchdog);
+    } else {
+        /* too late */
+    }
+    return trouble;
+}
+
+elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmopp_store_order_t *order) {
+    if ((!brown_out_is_set) || (clocks.trouble != ELMOPP_CLOCKS_WELL)) {
+        return ELMOPP_STORE_FAILED;
+    }
+    const elmopp_flash_writer_trouble_t trouble = write_flash(store_at(kind) + order->at, order);
+    if ((trouble != ELMOPP_FLASH_WRITER_WELL) && (trouble != flash_trouble)) {
+        elmopp_port_say("flash: nothing was written:");
+        elmopp_port_say(elmopp_flash_writer_trouble_name(trouble));
+    }
+    flash_trouble = trouble;
+    return (trouble == ELMOPP_FLASH_WRITER_WELL) ? ELMOPP_STORE_DONE : ELMOPP_STORE_FAILED;
 }
 
 void elmopp_port_say(const char *text) {

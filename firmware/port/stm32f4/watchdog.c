@@ -42,6 +42,13 @@ void elmopp_watchdog_start(elmopp_watchdog_t *self, elmopp_iwdg_registers_t *reg
     set_time(registers, LONG_CODE, LONG_COUNT);
 }
 
+bool elmopp_watchdog_begin_anew(const elmopp_watchdog_t *self) {
+    if (!self->tight) {
+        elmopp_register_write(&self->registers->kr, ELMOPP_IWDG_KR_RELOAD);
+    }
+    return !self->tight;
+}
+
 void elmopp_watchdog_kick(elmopp_watchdog_t *self) {
     if (!self->tight) {
         set_time(self->registers, TIGHT_CODE, TIGHT_COUNT);

@@ -28,6 +28,9 @@ typedef struct {
 /// Starts it with the long time.
 void elmopp_watchdog_start(elmopp_watchdog_t *self, elmopp_iwdg_registers_t *registers);
 
+/// Begins the long time anew, before something at the start that takes long. False once it is tight: nothing may then.
+bool elmopp_watchdog_begin_anew(const elmopp_watchdog_t *self);
+
 /// A lamp tick is complete.
 void elmopp_watchdog_kick(elmopp_watchdog_t *self);
 
