@@ -106,3 +106,11 @@ void elmopp_sigmoid_each(float *value, uint32_t count) {
         value[k] = sigmoid_of(value[k]);
     }
 }
+
+/* Half the exponent, negated, in whole numbers, and two steps of Newton (the constant and its 0.2 % are folklore). */
+float elmopp_inverse_root(float x) {
+    const float half = 0.5F * x;
+    float root = float_of(0x5F3759DFU - (bits_of(x) >> 1U));
+    root = root * (1.5F - ((half * root) * root));
+    return root * (1.5F - ((half * root) * root));
+}
