@@ -155,8 +155,9 @@ const std::vector<ChooserKind> &chooser_kinds() {
 }
 
 const std::vector<std::string> &forecast_names() {
-    static const std::vector<std::string> names{"none", "mean",  "persistence", "ewma", "ar8",
-                                                "lstm", "nlstm", "ann",         "gcn",  "oracle"};
+    static const std::vector<std::string> names{"none",       "mean",        "persistence", "ewma", "ar8",
+                                                "lstm",       "nlstm",       "ann",         "gcn",  "oracle",
+                                                "lstm-learn", "nlstm-learn", "lstm-literal"};
     return names;
 }
 
@@ -221,7 +222,8 @@ ChooserSpec site_chooser(const elmopp_junction_t &junction) {
 
 std::uint8_t forecast_kind(const std::string &name) {
     const auto &names = forecast_names();
-    const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    const std::string kind = name.substr(0, name.find('-')); // what learns on is of its network's kind
+    const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), kind) - names.begin());
     return static_cast<std::uint8_t>(index < ELMOPP_FORECAST_COUNT ? index : 0);
 }
 

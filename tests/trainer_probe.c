@@ -78,7 +78,7 @@ int main(int argc, char **argv) {
         return broken("IMAGE is none");
     }
     const elmopp_trainer_sample_t sample = {.before = &before,
-                                            .seen = (const float(*)[ELMOPP_LSTM_INPUTS])seen,
+                                            .seen = (const float (*)[ELMOPP_LSTM_INPUTS])seen,
                                             .steps = steps,
                                             .fed = (uint32_t)strtoul(argv[4], NULL, 10),
                                             .unscored = (uint32_t)strtoul(argv[5], NULL, 10),

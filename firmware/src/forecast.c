@@ -7,6 +7,7 @@
 #include "elmopp/elementary.h"
 
 #include <stddef.h>
+#include <string.h>
 
 /* Sums a value of each movement over its approach, in the order of the movements. */
 static void sum_by_approach(const elmopp_junction_t *junction, const float *value, float sum[ELMOPP_APPROACH_MAX]) {
@@ -89,6 +90,7 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
                           const elmopp_forecast_config_t *config) {
     ELMOPP_ASSERT(config->kind < (uint8_t)ELMOPP_FORECAST_COUNT);
     ELMOPP_ASSERT((config->kind != (uint8_t)ELMOPP_FORECAST_AR8) || (config->ar8 != NULL));
+    ELMOPP_ASSERT((config->learner == NULL) || (config->learner->shipped == config->weights));
     *self = (elmopp_forecast_t){.config = *config, .junction = junction};
     self->armed = elmopp_forecast_fits(config->kind, config->weights);
     join_approaches(&self->graph, junction);
@@ -103,19 +105,33 @@ static uint32_t group_count(const elmopp_forecast_t *self) {
     return (self->junction->approach_count + ELMOPP_FORECAST_GROUP_SIZE - 1U) / ELMOPP_FORECAST_GROUP_SIZE;
 }
 
-/* A recurrent network sees one second. Inputs without an approach, or without any demand, are 0. */
-static void remember(elmopp_forecast_t *self) {
+static elmopp_learner_t *learner_of(const elmopp_forecast_t *self) {
+    return (self->armed && is_recurrent(self->config.kind)) ? self->config.learner : NULL;
+}
+
+/* What a group's network sees of this second. Inputs without an approach, or without any demand, are 0. */
+static void see_second(const elmopp_forecast_t *self, uint32_t group, float input[ELMOPP_FORECAST_GROUP_SIZE]) {
     const elmopp_weights_t *weights = self->config.weights;
-    for (uint32_t group = 0U; group < group_count(self); group++) {
-        float input[ELMOPP_FORECAST_GROUP_SIZE] = {0.0F, 0.0F, 0.0F, 0.0F};
-        for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
-            const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
-            const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
-            if (scale_veh > 0.0F) {
-                input[k] = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
-            }
+    for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
+        const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
+        const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
+        input[k] = 0.0F;
+        if (scale_veh > 0.0F) {
+            input[k] = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
         }
-        elmopp_lstm_f32_step(&weights->lstm, &self->memory[group], input);
+    }
+}
+
+static void remember(elmopp_forecast_t *self) {
+    elmopp_learner_second_t second;
+    (void)memset(&second, 0, sizeof second);
+    for (uint32_t group = 0U; group < group_count(self); group++) {
+        see_second(self, group, second.input[group]);
+        elmopp_lstm_f32_step(&self->config.weights->lstm, &self->memory[group], second.input[group]);
+    }
+    elmopp_learner_t *learner = learner_of(self);
+    if (learner != NULL) {
+        elmopp_learner_see(learner, &second, self->memory);
     }
 }
 
@@ -178,11 +194,17 @@ static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uin
 }
 
 /* Runs one group's recurrent network on its own output, from a copy of its memory. */
-static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_lstm_f32_state_t memory, uint32_t steps) {
+static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, uint32_t steps) {
     const elmopp_weights_t *weights = self->config.weights;
+    const elmopp_learner_t *learner = learner_of(self);
+    const bool learnt = (learner != NULL) && elmopp_learner_is_in_use(learner);
+    const elmopp_lstm_f32_net_t net =
+        learnt ? elmopp_trainer_net(&learner->trainer) : elmopp_lstm_f32_net(&weights->lstm);
+    elmopp_lstm_f32_state_t memory;
+    memory = learnt ? learner->memory[group] : self->memory[group];
     for (uint32_t t = 0U; t < steps; t++) {
         float next[ELMOPP_FORECAST_GROUP_SIZE];
-        elmopp_lstm_f32_output(&weights->lstm, &memory, next);
+        elmopp_lstm_f32_net_output(&net, &memory, next);
         for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
             const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
             if (approach < self->junction->approach_count) {
@@ -193,7 +215,7 @@ static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_lst
             }
         }
         if ((t + 1U) < steps) {
-            elmopp_lstm_f32_step(&weights->lstm, &memory, next);
+            elmopp_lstm_f32_net_step(&net, &memory, next);
         }
     }
 }
@@ -286,7 +308,7 @@ static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
         fill_with_mean(self, steps);
     } else if (is_recurrent(self->config.kind)) {
         for (uint32_t group = 0U; group < group_count(self); group++) {
-            fill_from_memory(self, group, self->memory[group], steps);
+            fill_from_memory(self, group, steps);
         }
     } else if (elmopp_forecast_is_network(self->config.kind)) {
         fill_from_windows(self, steps);

@@ -23,11 +23,11 @@ void elmopp_learner_init(elmopp_learner_t *self, elmopp_trainer_memory_t *memory
     (void)memset(self, 0, sizeof *self);
     self->shipped = shipped;
     self->course = course;
-    self->groups = (approaches + INPUTS - 1U) / INPUTS;
-    for (uint32_t group = 0U; group < ELMOPP_LEARNER_GROUPS_MAX; group++) {
-        const uint32_t first = group * INPUTS;
-        const uint32_t left = (approaches > first) ? (approaches - first) : 0U;
+    self->groups = ((approaches + INPUTS) - 1U) / INPUTS;
+    uint32_t left = approaches;
+    for (uint32_t group = 0U; group < self->groups; group++) {
         self->inputs[group] = (left < INPUTS) ? left : INPUTS;
+        left -= self->inputs[group];
     }
     self->chance = 1U;
     self->in_use = course == ELMOPP_LEARNER_LITERAL;
@@ -58,7 +58,7 @@ static void begin_anew(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *sh
 
 /* --- the guard --- */
 
-static float squared_error(const float said[INPUTS], const float came[INPUTS], uint32_t inputs) {
+static float squared_error_of(const float said[INPUTS], const float came[INPUTS], uint32_t inputs) {
     float sum = 0.0F;
     for (uint32_t k = 0U; k < inputs; k++) {
         const float error = said[k] - came[k];
@@ -73,15 +73,15 @@ static bool is_at_most(float value, float limit) {
 }
 
 /* Compares what was said about this second with what came. */
-static void settle(elmopp_learner_t *self, const float (*came)[INPUTS]) {
+static void settle_comparison(elmopp_learner_t *self, const elmopp_learner_second_t *came) {
     elmopp_learner_probe_t *due = &self->probe[self->due];
     if (due->said) {
         elmopp_learner_error_t *error = &self->error;
         const uint32_t inputs = self->inputs[due->group];
         error->judged += (error->judged < UINT32_MAX) ? 1U : 0U;
-        elmopp_average(&error->shipped, squared_error(due->shipped, came[due->group], inputs), error->judged,
+        elmopp_average(&error->shipped, squared_error_of(due->shipped, came->input[due->group], inputs), error->judged,
                        ELMOPP_LEARNER_JUDGED_WINDOW);
-        elmopp_average(&error->learnt, squared_error(due->learnt, came[due->group], inputs), error->judged,
+        elmopp_average(&error->learnt, squared_error_of(due->learnt, came->input[due->group], inputs), error->judged,
                        ELMOPP_LEARNER_JUDGED_WINDOW);
         self->in_use = (error->judged >= ELMOPP_LEARNER_JUDGED_MIN) && is_at_most(error->learnt, error->shipped);
     }
@@ -96,8 +96,8 @@ static bool is_hopeless(const elmopp_learner_t *self) {
 }
 
 /* Runs a network on its own output and leaves what it says of the last second. */
-static void look_ahead(const elmopp_learner_t *self, const elmopp_lstm_f32_net_t *net, elmopp_lstm_f32_state_t memory,
-                       uint32_t inputs, float said[INPUTS]) {
+static void say_ahead(const elmopp_learner_t *self, const elmopp_lstm_f32_net_t *net, elmopp_lstm_f32_state_t memory,
+                      uint32_t inputs, float said[INPUTS]) {
     for (uint32_t t = 0U; t < ELMOPP_LEARNER_AHEAD_S; t++) {
         elmopp_lstm_f32_net_output(net, &memory, said);
         for (uint32_t k = 0U; k < INPUTS; k++) {
@@ -112,11 +112,11 @@ static void compare(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *shipp
     const uint32_t group = self->compared_group;
     const uint32_t inputs = self->inputs[group];
     /* The place just settled is the one for the second that is AHEAD_S seconds away. */
-    elmopp_learner_probe_t *page = &self->probe[(self->due + ELMOPP_LEARNER_AHEAD_S - 1U) % ELMOPP_LEARNER_AHEAD_S];
+    elmopp_learner_probe_t *page = &self->probe[((self->due + ELMOPP_LEARNER_AHEAD_S) - 1U) % ELMOPP_LEARNER_AHEAD_S];
     const elmopp_lstm_f32_net_t shipped = elmopp_lstm_f32_net(&self->shipped->lstm);
     const elmopp_lstm_f32_net_t learnt = elmopp_trainer_net(&self->trainer);
-    look_ahead(self, &shipped, shipped_memory[group], inputs, page->shipped);
-    look_ahead(self, &learnt, self->memory[group], inputs, page->learnt);
+    say_ahead(self, &shipped, shipped_memory[group], inputs, page->shipped);
+    say_ahead(self, &learnt, self->memory[group], inputs, page->learnt);
     page->group = group;
     page->said = true;
     self->compared_group = (group + 1U) % self->groups;
@@ -124,39 +124,39 @@ static void compare(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *shipp
 
 /* --- stretches --- */
 
-static void keep(elmopp_learner_t *self, const elmopp_learner_stretch_t *stretch) {
+static void keep_stretch(elmopp_learner_t *self, const elmopp_learner_stretch_t *stretch) {
     self->newest = (self->count == 0U) ? 0U : ((self->newest + 1U) % ELMOPP_LEARNER_STRETCHES);
     self->kept[self->newest] = *stretch;
     self->count += (self->count < ELMOPP_LEARNER_STRETCHES) ? 1U : 0U;
 }
 
 /* Before the networks see this second. */
-static void grow(elmopp_learner_t *self, const float (*input)[INPUTS]) {
+static void grow(elmopp_learner_t *self, const elmopp_learner_second_t *second) {
     for (uint32_t group = 0U; group < self->groups; group++) {
         elmopp_learner_stretch_t *stretch = &self->growing[group];
-        (void)memcpy(stretch->seen[self->grown], input[group], sizeof stretch->seen[0]);
+        (void)memcpy(stretch->seen[self->grown], second->input[group], sizeof stretch->seen[0]);
         if (self->grown == WINDOW) {
             stretch->inputs = self->inputs[group];
-            keep(self, stretch);
+            keep_stretch(self, stretch);
         }
         if ((self->grown == 0U) || (self->grown == WINDOW)) {
             stretch->before = self->memory[group];
-            (void)memcpy(stretch->seen[0], input[group], sizeof stretch->seen[0]);
+            (void)memcpy(stretch->seen[0], second->input[group], sizeof stretch->seen[0]);
         }
     }
     self->grown = (self->grown == WINDOW) ? 1U : (self->grown + 1U);
 }
 
-static void remember(elmopp_learner_t *self, const float (*input)[INPUTS]) {
+static void step_learnt(elmopp_learner_t *self, const elmopp_learner_second_t *second) {
     const elmopp_lstm_f32_net_t net = elmopp_trainer_net(&self->trainer);
     for (uint32_t group = 0U; group < self->groups; group++) {
-        elmopp_lstm_f32_net_step(&net, &self->memory[group], input[group]);
+        elmopp_lstm_f32_net_step(&net, &self->memory[group], second->input[group]);
     }
 }
 
 static elmopp_trainer_sample_t sample_of(const elmopp_learner_t *self, const elmopp_learner_stretch_t *stretch) {
     const elmopp_trainer_sample_t sample = {.before = &stretch->before,
-                                            .seen = (const float(*)[INPUTS])stretch->seen,
+                                            .seen = stretch->seen,
                                             .steps = WINDOW,
                                             .fed = ELMOPP_LEARNER_FED_S,
                                             .unscored = ELMOPP_LEARNER_UNSCORED_S,
@@ -187,13 +187,21 @@ static void learn_carefully(elmopp_learner_t *self, const elmopp_lstm_f32_state_
     }
 }
 
-/* One step on what the newest second should have been, through the seconds of the growing stretch. */
+/* The stretch that ends with the newest second: the growing one, or the one that this second has completed. */
+static const elmopp_learner_stretch_t *ending_now(const elmopp_learner_t *self, uint32_t group) {
+    const uint32_t back = (self->groups - 1U) - group;
+    const uint32_t completed = ((self->newest + ELMOPP_LEARNER_STRETCHES) - back) % ELMOPP_LEARNER_STRETCHES;
+    return (self->grown >= 2U) ? &self->growing[group] : &self->kept[completed];
+}
+
+/* One step on what the newest second should have been. */
 static void learn_literally(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *shipped_memory) {
     bool good = true;
-    for (uint32_t group = 0U; (group < self->groups) && (self->grown >= 2U); group++) {
-        elmopp_trainer_sample_t sample = sample_of(self, &self->growing[group]);
+    const bool known = (self->grown >= 2U) || (self->count > 0U);
+    for (uint32_t group = 0U; (group < self->groups) && known; group++) {
+        elmopp_trainer_sample_t sample = sample_of(self, ending_now(self, group));
         sample.inputs = self->inputs[group];
-        sample.steps = self->grown - 1U;
+        sample.steps = (self->grown >= 2U) ? (self->grown - 1U) : WINDOW;
         sample.fed = sample.steps;
         sample.unscored = sample.steps - 1U;
         (void)elmopp_trainer_take(&self->trainer, &sample);
@@ -204,11 +212,11 @@ static void learn_literally(elmopp_learner_t *self, const elmopp_lstm_f32_state_
     }
 }
 
-void elmopp_learner_see(elmopp_learner_t *self, const float (*input)[INPUTS],
+void elmopp_learner_see(elmopp_learner_t *self, const elmopp_learner_second_t *second,
                         const elmopp_lstm_f32_state_t *shipped_memory) {
-    settle(self, input);
-    grow(self, input);
-    remember(self, input);
+    settle_comparison(self, second);
+    grow(self, second);
+    step_learnt(self, second);
     if (self->course == ELMOPP_LEARNER_LITERAL) {
         learn_literally(self, shipped_memory);
     } else {

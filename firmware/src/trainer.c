@@ -126,7 +126,8 @@ static void keep_state(const elmopp_trainer_t *self, uint32_t t, const elmopp_ls
 static void run_forth(const elmopp_trainer_t *self, const elmopp_trainer_sample_t *sample) {
     const elmopp_lstm_f32_net_t net = elmopp_trainer_net(self);
     elmopp_trainer_memory_t *memory = self->memory;
-    elmopp_lstm_f32_state_t state = *sample->before;
+    elmopp_lstm_f32_state_t state;
+    state = *sample->before;
     for (uint32_t t = 0U; t < sample->steps; t++) {
         float *gate[ELMOPP_LSTM_LEVELS_MAX];
         places_of_gates(self, t, gate);
@@ -184,7 +185,8 @@ static void through_inner(const elmopp_trainer_t *self, uint32_t level, uint32_t
                           float fed_slope[ELMOPP_LSTM_INNER_ROWS]) {
     ELMOPP_ASSERT((level >= 1U) && (level <= INNER_MAX));
     elmopp_lstm_f32_inner_t *slope = &self->inner->slope[level - 1U];
-    const float(*gate_slope)[GATES] = (const float(*)[GATES]) & self->inner->tape[level - 1U].gate[t];
+    const elmopp_trainer_inner_memory_t *memory = self->inner;
+    const float (*gate_slope)[GATES] = &memory->tape[level - 1U].gate[t];
     const float *outside = tape_of(self, level - 1U)->gate[t];
     static const float one = 1.0F;
     elmopp_trainer_kernel_gather(&one, 0U, gate_slope, 1U, slope->bias);
@@ -194,8 +196,7 @@ static void through_inner(const elmopp_trainer_t *self, uint32_t level, uint32_t
         elmopp_trainer_kernel_gather(&x, 0U, gate_slope, 1U, slope->row[u]);
         elmopp_trainer_kernel_gather(&h, 0U, gate_slope, 1U, slope->row[UNITS + u]);
     }
-    elmopp_trainer_kernel_project((const float(*)[GATES])self->inner->weight[level - 1U].row, ELMOPP_LSTM_INNER_ROWS,
-                                  gate_slope[0], fed_slope);
+    elmopp_trainer_kernel_project(memory->weight[level - 1U].row, ELMOPP_LSTM_INNER_ROWS, gate_slope[0], fed_slope);
 }
 
 /* Through all levels of step t: inwards through what each gave back, then outwards through its gates. All gates of the
@@ -232,10 +233,9 @@ static void through_feed(const elmopp_trainer_t *self, const elmopp_trainer_samp
                          slopes_t *slopes) {
     const elmopp_lstm_f32_outer_t *outer = &self->memory->weight.outer;
     const float *gate_slope = self->memory->tape.gate[t];
-    const float(*row)[GATES] = (const float(*)[GATES])outer->row;
-    elmopp_trainer_kernel_project(&row[INPUTS], UNITS, gate_slope, slopes->hidden);
+    elmopp_trainer_kernel_project(&outer->row[INPUTS], UNITS, gate_slope, slopes->hidden);
     if (t >= sample->fed) {
-        elmopp_trainer_kernel_project(row, INPUTS, gate_slope, slopes->said);
+        elmopp_trainer_kernel_project(outer->row, INPUTS, gate_slope, slopes->said);
     } else {
         (void)memset(slopes->said, 0, sizeof slopes->said);
     }
@@ -244,9 +244,9 @@ static void through_feed(const elmopp_trainer_t *self, const elmopp_trainer_samp
 /* The outermost level's weights, over all steps at once: that keeps their sums in registers. */
 static void gather_outer(const elmopp_trainer_t *self, const elmopp_trainer_sample_t *sample) {
     static const float one = 1.0F;
-    elmopp_trainer_memory_t *memory = self->memory;
-    elmopp_lstm_f32_outer_t *slope = &memory->slope.outer;
-    const float(*gate_slope)[GATES] = (const float(*)[GATES])memory->tape.gate;
+    const elmopp_trainer_memory_t *memory = self->memory;
+    elmopp_lstm_f32_outer_t *slope = &self->memory->slope.outer;
+    const float (*gate_slope)[GATES] = memory->tape.gate;
     const uint32_t own = sample->steps - sample->fed;
     elmopp_trainer_kernel_gather(&one, 0U, gate_slope, sample->steps, slope->bias);
     for (uint32_t k = 0U; k < INPUTS; k++) {
@@ -266,7 +266,8 @@ float elmopp_trainer_take(elmopp_trainer_t *self, const elmopp_trainer_sample_t 
     ELMOPP_ASSERT((sample->fed >= 1U) && (sample->fed <= sample->steps) && (sample->unscored < sample->steps));
     ELMOPP_ASSERT((sample->inputs >= 1U) && (sample->inputs <= INPUTS));
     run_forth(self, sample);
-    const float each = 1.0F / (float)((sample->steps - sample->unscored) * sample->inputs);
+    const uint32_t scored = (sample->steps - sample->unscored) * sample->inputs;
+    const float each = 1.0F / (float)scored;
     slopes_t slopes;
     (void)memset(&slopes, 0, sizeof slopes);
     float squares = 0.0F;
@@ -334,8 +335,7 @@ bool elmopp_trainer_update(elmopp_trainer_t *self, float rate) {
     const elmopp_trainer_descent_t by = {.share = part * elmopp_lesser(1.0F, shortening),
                                          .mean_gain = MEAN_GAIN,
                                          .square_gain = SQUARE_GAIN,
-                                         .rate = (rate / (1.0F - self->mean_left)) *
-                                                 (late * elmopp_inverse_root(late)),
+                                         .rate = (rate / (1.0F - self->mean_left)) * (late * elmopp_inverse_root(late)),
                                          .floor = FLOOR};
     descend(self, &by);
     self->samples = 0U;

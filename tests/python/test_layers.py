@@ -24,6 +24,7 @@ LEVELS = {
     "lamps": 0,
     "mode": 0,
     "lstm_kernel": 0,
+    "trainer_kernel": 0,
     "account": 1,
     "age": 1,
     "ann_f32": 1,
@@ -38,7 +39,9 @@ LEVELS = {
     "sight": 1,
     "site": 1,
     "weights": 2,
-    "forecast": 3,
+    "trainer": 2,
+    "learner": 3,
+    "forecast": 4,
     "urgency": 3,
     "pressure": 3,
     "priced": 3,
@@ -47,10 +50,10 @@ LEVELS = {
     "rollout": 4,
     "link": 1,
     "frames": 2,
-    "pilot": 4,
-    "controller": 5,
+    "pilot": 5,
+    "controller": 6,
     "lamp_node": 3,
-    "station": 6,
+    "station": 7,
 }
 
 

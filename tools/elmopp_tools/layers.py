@@ -20,7 +20,7 @@ EXIT_REFUSED = 2
 ROOT = Path(__file__).resolve().parents[2]
 
 LEVEL_0 = frozenset(
-    {"assert", "bounds", "chooser", "elementary", "fault", "image", "junction", "lamps", "lstm_kernel", "mode"}
+    {"assert", "bounds", "chooser", "elementary", "fault", "image", "junction", "lamps", "lstm_kernel", "mode", "trainer_kernel"}
 )
 
 # The arithmetic behind the forecasts that learn, on level 1.
@@ -39,6 +39,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "lamps": frozenset({"bounds", "junction"}),
     "chooser": frozenset({"bounds", "junction"}),
     "lstm_kernel": frozenset({"elementary"}),
+    "trainer_kernel": frozenset({"elementary", "lstm_kernel"}),
     # level 1: not each other
     "account": LEVEL_0,
     "age": LEVEL_0,
@@ -56,12 +57,16 @@ ROOMS: dict[str, frozenset[str]] = {
     "timetable": LEVEL_0,
     # level 2: what is learnt, for all models
     "weights": LEVEL_0 | MODELS,
+    # what changes it, and whether that was good
+    "trainer": LEVEL_0 | {"lstm_f32"},
+    "learner": LEVEL_0 | MODELS | {"trainer", "weights"},
     # who comes, and a model of what follows, for a chooser that plans ahead
     "coming": LEVEL_0 | {"account", "sight"},
     "future": LEVEL_0 | {"account", "coming", "sight"},
     "rollout": LEVEL_0 | {"account", "coming", "future", "sight"},
+    # level 4, above the learner
+    "forecast": LEVEL_0 | MODELS | {"account", "learner", "outflow", "trainer", "weights"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | MODELS | {"account", "outflow", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
@@ -69,9 +74,9 @@ ROOMS: dict[str, frozenset[str]] = {
     "frames": LEVEL_0 | {"detector", "link", "outflow"},
     # the other side of the bus, a device of its own
     "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
-    # level 4: the inner seam
+    # level 5: the inner seam
     "pilot": LEVEL_0 | MODELS | {"account", "forecast", "outflow", "plan", "pressure", "site", "urgency", "weights"},
-    # level 5: the outer seam
+    # level 6: the outer seam
     "controller": LEVEL_0
     | MODELS
     | {
@@ -89,7 +94,7 @@ ROOMS: dict[str, frozenset[str]] = {
         "weights",
     },
 }
-# level 6: a controller with everything that its site names
+# level 7: a controller with everything that its site names
 ROOMS["station"] = ROOMS["controller"] | {
     "coming",
     "controller",

@@ -25,6 +25,9 @@
 /// have four inputs: approaches go in groups of four in site order, each group for itself, the same weights; an input
 /// without approach is 0 and what is said about it is ignored. For gcn each approach is a node, whatever their number.
 ///
+/// lstm and nlstm may learn on (learner.h): then every second goes to the learner too, and the rows are by the learnt
+/// weights whenever its guard has them in use. Who does not hand a learner in pays nothing for it but a pointer.
+///
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
 ///
@@ -39,6 +42,7 @@
 #include "elmopp/account.h"
 #include "elmopp/ar8.h"
 #include "elmopp/junction.h"
+#include "elmopp/learner.h"
 #include "elmopp/outflow.h"
 #include "elmopp/weights.h"
 
@@ -57,6 +61,7 @@ static_assert(ELMOPP_FORECAST_COLD_S >= ELMOPP_FORECAST_PAST_S, "no window is re
 #define ELMOPP_FORECAST_GROUP_SIZE ELMOPP_LSTM_INPUTS
 #define ELMOPP_FORECAST_GROUP_MAX (ELMOPP_APPROACH_MAX / ELMOPP_FORECAST_GROUP_SIZE)
 static_assert((ELMOPP_APPROACH_MAX % ELMOPP_FORECAST_GROUP_SIZE) == 0U, "every approach is in a group");
+static_assert(ELMOPP_LEARNER_GROUPS_MAX == ELMOPP_FORECAST_GROUP_MAX, "the learner deals the same groups");
 static_assert(ELMOPP_ANN_INPUTS == ELMOPP_FORECAST_GROUP_SIZE, "both kinds of network deal the same groups");
 
 /// Which forecast, and its data. The pointers must outlive the forecast.
@@ -65,6 +70,7 @@ typedef struct {
     const elmopp_ar8_t *ar8;         ///< [approach], for ar8 only
     const float *mean_veh_per_s;     ///< [approach] long-run means; null: running means
     const elmopp_weights_t *weights; ///< for lstm (1 level), nlstm (more), ann and gcn; null: none could be loaded
+    elmopp_learner_t *learner;       ///< for lstm and nlstm: begun with these weights; null: nothing is learnt
 } elmopp_forecast_config_t;
 
 /// Why the rows are what they are.

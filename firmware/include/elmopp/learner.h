@@ -48,10 +48,10 @@
 #define ELMOPP_LEARNER_FED_S 10U
 #define ELMOPP_LEARNER_UNSCORED_S 5U
 
-#define ELMOPP_LEARNER_RATE 3.0e-4F         ///< of Adam
+#define ELMOPP_LEARNER_RATE 1.0e-4F         ///< of Adam
 #define ELMOPP_LEARNER_LITERAL_RATE 1.0e-3F ///< the paper's
 
-#define ELMOPP_LEARNER_AHEAD_S 30U     ///< what is compared is so far ahead
+#define ELMOPP_LEARNER_AHEAD_S 30U       ///< what is compared is so far ahead
 #define ELMOPP_LEARNER_JUDGED_WINDOW 40U ///< comparisons that the running errors remember
 #define ELMOPP_LEARNER_JUDGED_MIN 15U
 #define ELMOPP_LEARNER_GIVE_UP 1.5F
@@ -63,6 +63,11 @@ typedef enum {
     ELMOPP_LEARNER_CAREFUL = 0, ///< batches of stretches that are kept, a guard
     ELMOPP_LEARNER_LITERAL      ///< the paper's: every second one step on the newest, whatever comes of it
 } elmopp_learner_course_t;
+
+/// What each group's network is fed in a second.
+typedef struct {
+    float input[ELMOPP_LEARNER_GROUPS_MAX][ELMOPP_LSTM_INPUTS];
+} elmopp_learner_second_t;
 
 /// A stretch of one group's seconds.
 typedef struct {
@@ -95,13 +100,13 @@ typedef struct {
     uint32_t inputs[ELMOPP_LEARNER_GROUPS_MAX];
     elmopp_lstm_f32_state_t memory[ELMOPP_LEARNER_GROUPS_MAX]; ///< by the learnt weights
     elmopp_learner_stretch_t growing[ELMOPP_LEARNER_GROUPS_MAX];
-    uint32_t grown; ///< seconds in each of them
+    uint32_t grown;                                          ///< seconds in each of them
     elmopp_learner_stretch_t kept[ELMOPP_LEARNER_STRETCHES]; ///< a ring
     uint32_t newest;
     uint32_t count;
-    uint32_t second;  ///< of the cycle
+    uint32_t second; ///< of the cycle
     uint32_t compared_group;
-    uint32_t chance; ///< of which stretch is next
+    uint32_t chance;                                      ///< of which stretch is next
     elmopp_learner_probe_t probe[ELMOPP_LEARNER_AHEAD_S]; ///< a ring
     uint32_t due;
     elmopp_learner_error_t error;
@@ -114,7 +119,7 @@ void elmopp_learner_init(elmopp_learner_t *self, elmopp_trainer_memory_t *memory
                          const elmopp_weights_t *shipped, elmopp_learner_course_t course, uint32_t approaches);
 
 /// One second: what each group's network is fed, and what it remembers by the shipped weights after that.
-void elmopp_learner_see(elmopp_learner_t *self, const float (*input)[ELMOPP_LSTM_INPUTS],
+void elmopp_learner_see(elmopp_learner_t *self, const elmopp_learner_second_t *second,
                         const elmopp_lstm_f32_state_t *shipped_memory);
 
 /// Whether the learnt weights are to be used: then elmopp_trainer_net() of `trainer`, and `memory`.

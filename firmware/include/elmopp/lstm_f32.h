@@ -59,7 +59,7 @@ typedef struct {
 /// Where a network's weights are. Who learns a network of one level has no room for three (trainer.h).
 typedef struct {
     uint32_t levels;
-    const float *head_bias;                   ///< [output]
+    const float *head_bias;                      ///< [output]
     const float (*head_row)[ELMOPP_LSTM_INPUTS]; ///< [unit][output]
     const elmopp_lstm_f32_outer_t *outer;
     const elmopp_lstm_f32_inner_t *inner; ///< [levels - 1]

@@ -94,7 +94,7 @@ typedef struct {
     uint32_t steps;                          ///< 1 to ELMOPP_TRAINER_WINDOW
     uint32_t fed;                            ///< so many steps, 1 to `steps`, are fed what came
     uint32_t unscored;                       ///< after so many steps, below `steps`, errors begin to count
-    uint32_t inputs; ///< 1 to ELMOPP_LSTM_INPUTS: those after are fed 0, and what is said about them does not count
+    uint32_t inputs;  ///< 1 to ELMOPP_LSTM_INPUTS: those after are fed 0, and what is said about them does not count
     const float *low; ///< [input] the clamp
     const float *high;
 } elmopp_trainer_sample_t;
@@ -116,7 +116,8 @@ bool elmopp_trainer_update(elmopp_trainer_t *self, float rate);
 /// The weights as a network that can be run, where they are: valid as long as the memory.
 elmopp_lstm_f32_net_t elmopp_trainer_net(const elmopp_trainer_t *self);
 
-/// The weights copied out, for whoever wants to keep or re-quantise them; `out` loses nothing but its recurrent weights.
+/// The weights copied out, for whoever wants to keep or re-quantise them; `out` loses nothing but its recurrent
+/// weights.
 void elmopp_trainer_copy(const elmopp_trainer_t *self, elmopp_lstm_f32_weights_t *out);
 
 #endif
