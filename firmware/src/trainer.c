@@ -24,9 +24,9 @@
 /* Sums of squares beyond this are no use: the slopes were not finite, or next to it. */
 #define SQUARES_MAX 1.0e30F
 
-static_assert(INPUTS == 4U, "the head's sums are written out");
+static_assert(INPUTS == ELMOPP_TRAINER_KERNEL_OUTPUTS, "the kernel's head is the network's");
 static_assert(sizeof(elmopp_trainer_memory_t) ==
-                  ((4U * sizeof(elmopp_trainer_plain_t)) + (ELMOPP_TRAINER_WINDOW * 100U * sizeof(float))),
+                  ((4U * sizeof(elmopp_trainer_plain_t)) + (((ELMOPP_TRAINER_WINDOW * 100U) + UNITS) * sizeof(float))),
               "what the header says that a step takes");
 
 /* What is on its way back from one step to the one before. */
@@ -115,7 +115,7 @@ static void places_of_gates(const elmopp_trainer_t *self, uint32_t t, float *gat
 }
 
 static void keep_state(const elmopp_trainer_t *self, uint32_t t, const elmopp_lstm_f32_state_t *state) {
-    (void)memcpy(self->memory->hidden[t], state->hidden, sizeof state->hidden);
+    (void)memcpy(self->memory->hidden[t + 1U], state->hidden, sizeof state->hidden);
     for (uint32_t level = 0U; level < ELMOPP_LSTM_LEVELS_MAX; level++) {
         if (level < self->levels) {
             (void)memcpy(tape_of(self, level)->cell[t], state->cell[level], sizeof state->cell[level]);
@@ -128,6 +128,7 @@ static void run_forth(const elmopp_trainer_t *self, const elmopp_trainer_sample_
     elmopp_trainer_memory_t *memory = self->memory;
     elmopp_lstm_f32_state_t state;
     state = *sample->before;
+    (void)memcpy(memory->hidden[0], state.hidden, sizeof state.hidden);
     for (uint32_t t = 0U; t < sample->steps; t++) {
         float *gate[ELMOPP_LSTM_LEVELS_MAX];
         places_of_gates(self, t, gate);
@@ -142,10 +143,6 @@ static void run_forth(const elmopp_trainer_t *self, const elmopp_trainer_sample_
 }
 
 /* --- the way back --- */
-
-static const float *hidden_before(const elmopp_trainer_t *self, const elmopp_trainer_sample_t *sample, uint32_t t) {
-    return (t == 0U) ? sample->before->hidden : self->memory->hidden[t - 1U];
-}
 
 static const float *cell_before(const elmopp_trainer_t *self, const elmopp_trainer_sample_t *sample, uint32_t level,
                                 uint32_t t) {
@@ -165,18 +162,9 @@ static float answer_for(const elmopp_trainer_t *self, const elmopp_trainer_sampl
         slopes->said[k] = (k < sample->inputs) ? (slopes->said[k] + (gain * error)) : 0.0F;
         memory->slope.head_bias[k] += slopes->said[k];
     }
-    const float *by = slopes->said;
-    for (uint32_t u = 0U; u < UNITS; u++) {
-        const float *row = memory->weight.head_row[u];
-        float *row_slope = memory->slope.head_row[u];
-        const float hidden = memory->hidden[t][u];
-        const float outer = (row[0] * by[0]) + (row[1] * by[1]);
-        slopes->hidden[u] += outer + ((row[2] * by[2]) + (row[3] * by[3]));
-        row_slope[0] += hidden * by[0];
-        row_slope[1] += hidden * by[1];
-        row_slope[2] += hidden * by[2];
-        row_slope[3] += hidden * by[3];
-    }
+    const elmopp_trainer_memory_t *read = memory;
+    elmopp_trainer_kernel_answer(read->weight.head_row, slopes->said, memory->hidden[t + 1U], slopes->hidden,
+                                 memory->slope.head_row);
     return squares;
 }
 
@@ -256,8 +244,7 @@ static void gather_outer(const elmopp_trainer_t *self, const elmopp_trainer_samp
     }
     for (uint32_t u = 0U; u < UNITS; u++) {
         float *row = slope->row[INPUTS + u];
-        elmopp_trainer_kernel_gather(&hidden_before(self, sample, 0U)[u], 0U, gate_slope, 1U, row);
-        elmopp_trainer_kernel_gather(&memory->hidden[0][u], UNITS, &gate_slope[1], sample->steps - 1U, row);
+        elmopp_trainer_kernel_gather(&memory->hidden[0][u], UNITS, gate_slope, sample->steps, row);
     }
 }
 

@@ -39,6 +39,19 @@ void elmopp_trainer_kernel_advance(float gate[GATES], const float cell[UNITS], c
     }
 }
 
+void elmopp_trainer_kernel_answer(const float (*row)[ELMOPP_TRAINER_KERNEL_OUTPUTS],
+                                  const float said_slope[ELMOPP_TRAINER_KERNEL_OUTPUTS], const float hidden[UNITS],
+                                  float hidden_slope[UNITS], float (*row_slope)[ELMOPP_TRAINER_KERNEL_OUTPUTS]) {
+    for (uint32_t u = 0U; u < UNITS; u++) {
+        const float first = (row[u][0] * said_slope[0]) + (row[u][1] * said_slope[1]);
+        const float second = (row[u][2] * said_slope[2]) + (row[u][3] * said_slope[3]);
+        hidden_slope[u] += first + second;
+        for (uint32_t k = 0U; k < ELMOPP_TRAINER_KERNEL_OUTPUTS; k++) {
+            row_slope[u][k] += hidden[u] * said_slope[k];
+        }
+    }
+}
+
 void elmopp_trainer_kernel_project(const float (*row)[GATES], uint32_t rows, const float gate_slope[GATES],
                                    float *fed_slope) {
     for (uint32_t k = 0U; k < rows; k++) {

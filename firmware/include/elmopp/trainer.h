@@ -63,8 +63,8 @@ typedef struct {
     elmopp_trainer_plain_t mean;  ///< running mean of the slopes
     elmopp_trainer_plain_t square;
     elmopp_trainer_tape_t tape;
-    float hidden[ELMOPP_TRAINER_WINDOW][ELMOPP_LSTM_UNITS]; ///< after each step
-    float said[ELMOPP_TRAINER_WINDOW][ELMOPP_LSTM_INPUTS];  ///< after each step, in the clamp
+    float hidden[ELMOPP_TRAINER_WINDOW + 1U][ELMOPP_LSTM_UNITS]; ///< before each step, and after the last
+    float said[ELMOPP_TRAINER_WINDOW][ELMOPP_LSTM_INPUTS];       ///< after each step, in the clamp
 } elmopp_trainer_memory_t;
 
 /// For inner levels.

@@ -19,6 +19,9 @@
 
 #include <stdint.h>
 
+/// What a network says in a step.
+#define ELMOPP_TRAINER_KERNEL_OUTPUTS 4U
+
 /// How far Adam goes (Kingma and Ba 2015). mean += mean_gain (s - mean) and square += square_gain (s^2 - square) for a
 /// slope s = share * slope; weight -= rate * mean / sqrt(square + floor).
 typedef struct {
@@ -39,6 +42,13 @@ void elmopp_trainer_kernel_release(float gate[ELMOPP_LSTM_GATES], const float ce
 void elmopp_trainer_kernel_advance(float gate[ELMOPP_LSTM_GATES], const float cell[ELMOPP_LSTM_UNITS],
                                    const float made_slope[ELMOPP_LSTM_UNITS], const float *kept_slope,
                                    float *cell_slope);
+
+/// Through the head, with d the slope of what was said: hidden_slope[u] += (row[u][0] d[0] + row[u][1] d[1]) +
+/// (row[u][2] d[2] + row[u][3] d[3]), and row_slope[u][k] += hidden[u] d[k].
+void elmopp_trainer_kernel_answer(const float (*row)[ELMOPP_TRAINER_KERNEL_OUTPUTS],
+                                  const float said_slope[ELMOPP_TRAINER_KERNEL_OUTPUTS],
+                                  const float hidden[ELMOPP_LSTM_UNITS], float hidden_slope[ELMOPP_LSTM_UNITS],
+                                  float (*row_slope)[ELMOPP_TRAINER_KERNEL_OUTPUTS]);
 
 /// Through the gates' sums: fed_slope[k] = sum over g of row[k][g] gate_slope[g], for k < `rows`.
 void elmopp_trainer_kernel_project(const float (*row)[ELMOPP_LSTM_GATES], uint32_t rows,
