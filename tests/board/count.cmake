@@ -14,3 +14,5 @@ elmopp_add_python_test(NAME test_stack COMMAND -m pytest -q tests/board/test_sta
 set_tests_properties(test_stack PROPERTIES ENVIRONMENT "ELMOPP_BOARD_BUILD=${PROJECT_BINARY_DIR}")
 elmopp_add_unity_test(NAME test_lstm_kernel SOURCES board/test_lstm_kernel.c board/portable_kernel.c
     LIBS elmopp_test_support)
+elmopp_add_unity_test(NAME test_trainer_kernel SOURCES board/test_trainer_kernel.c board/portable_trainer_kernel.c
+    LIBS elmopp_test_support)

@@ -10,7 +10,8 @@
 ///   thousand           a thousand instructions of one cycle
 ///   lstm_f32_step      a step of the plain LSTM, over weights, inputs and states from zero to 1e30 and subnormal ones
 ///   nlstm3_f32_step    the same of three nested levels
-///   train_w30          a sample of 30 steps, 10 of them fed, and an update (elmopp/trainer.h), one level, weights, inputs and
+///   train_w30          a sample of 30 steps, 10 of them fed, and an update (elmopp/trainer.h), one level, weights,
+///   inputs and
 ///                      states as above; nlstm3_train_w30 the same of three
 ///   learner_second     elmopp_learner_see() on traffic that the network does not know, one group: whatever its turn is
 ///   rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches

@@ -17,10 +17,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 BOARD = ROOT / "tests" / "board"
 GOLDEN = ROOT / "tests" / "golden" / "lstm_digest.txt"
-ROOMS = ("ann_f32", "elementary", "gcn_f32", "lstm_f32")
+ROOMS = ("ann_f32", "elementary", "gcn_f32", "lstm_f32", "trainer")
 SOURCES = ("tests/lstm_digest.c", *(f"firmware/src/{room}.c" for room in ROOMS))
-PORTABLE_KERNEL = "firmware/src/lstm_kernel.c"
-CORTEX_M4_KERNEL = "firmware/port/cortex_m/lstm_kernel.S"
+PORTABLE_KERNEL = ("firmware/src/lstm_kernel.c", "firmware/src/trainer_kernel.c")
+CORTEX_M4_KERNEL = ("firmware/port/cortex_m/lstm_kernel.S", "firmware/port/cortex_m/trainer_kernel.S")
 
 # The core's own, as in CMakeLists.txt and firmware/CMakeLists.txt; tests of each preset hold those to the same file.
 FLAGS = ("-std=c11", "-ffp-contract=off", "-fno-trapping-math", "-fno-math-errno")
@@ -48,9 +48,9 @@ def output_of(command: Sequence[str]) -> str:
     return done.stdout
 
 
-def build(program: Path, compiler: Sequence[str], kernel: str, *options: str) -> None:
+def build(program: Path, compiler: Sequence[str], kernel: Sequence[str], *options: str) -> None:
     folders = ("-Ifirmware/include", "-Itests/support")
-    output_of([*compiler, *FLAGS, *folders, *SOURCES, kernel, *options, "-o", str(program)])
+    output_of([*compiler, *FLAGS, *folders, *SOURCES, *kernel, *options, "-o", str(program)])
 
 
 def digest_here(folder: Path, compiler: str, *options: str) -> str:
@@ -59,7 +59,7 @@ def digest_here(folder: Path, compiler: str, *options: str) -> str:
     return output_of([str(program)])
 
 
-def digest_on_board(folder: Path, kernel: str, *options: str) -> str:
+def digest_on_board(folder: Path, kernel: Sequence[str], *options: str) -> str:
     program = folder / "lstm_digest.elf"
     build(program, CORTEX_M4, kernel, *ON_BOARD, *options)
     return output_of([str(BOARD / "run_qemu.sh"), str(program)])
@@ -89,7 +89,7 @@ def test_sanitizers_find_nothing_and_leave_the_bits(tmp_path: Path, golden: str)
 
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("kernel", [PORTABLE_KERNEL, CORTEX_M4_KERNEL])
-def test_a_cortex_m4_gives_the_same_bits(tmp_path: Path, golden: str, kernel: str, level: str) -> None:
+def test_a_cortex_m4_gives_the_same_bits(tmp_path: Path, golden: str, kernel: Sequence[str], level: str) -> None:
     assert digest_on_board(tmp_path, kernel, level) == golden
 
 
