@@ -5,6 +5,7 @@
 
 #include "csv.hpp"
 #include "error.hpp"
+#include "learning.hpp"
 
 #include <algorithm>
 #include <array>
@@ -155,9 +156,10 @@ const std::vector<ChooserKind> &chooser_kinds() {
 }
 
 const std::vector<std::string> &forecast_names() {
-    // In the order of ELMOPP_FORECAST_*, and then what is none of the firmware's.
-    static const std::vector<std::string> names{"none",  "mean", "persistence", "ewma",     "ar8",       "lstm",
-                                                "nlstm", "ann",  "gcn",         "lstm-q15", "nlstm-q15", "oracle"};
+    // In the order of ELMOPP_FORECAST_*, and then what is none of the firmware's, or one of them that learns on.
+    static const std::vector<std::string> names{"none",      "mean",   "persistence", "ewma",        "ar8",
+                                                "lstm",      "nlstm",  "ann",         "gcn",         "lstm-q15",
+                                                "nlstm-q15", "oracle", "lstm-learn",  "nlstm-learn", "lstm-literal"};
     return names;
 }
 
@@ -222,7 +224,9 @@ ChooserSpec site_chooser(const elmopp_junction_t &junction) {
 
 std::uint8_t forecast_kind(const std::string &name) {
     const auto &names = forecast_names();
-    const auto index = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    // What learns on is of its network's kind.
+    const auto index =
+        static_cast<std::size_t>(std::find(names.begin(), names.end(), network_of(name)) - names.begin());
     return static_cast<std::uint8_t>(index < ELMOPP_FORECAST_COUNT ? index : 0);
 }
 

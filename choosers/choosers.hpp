@@ -54,7 +54,8 @@ std::vector<ChooserSpec> paper_table();
 /// The site's own chooser and forecast.
 ChooserSpec site_chooser(const elmopp_junction_t &junction);
 
-/// ELMOPP_FORECAST_* of a name; `oracle` counts as none, its rows come from outside.
+/// ELMOPP_FORECAST_* of a name; `oracle` counts as none, its rows come from outside. What learns on, such as
+/// `lstm-learn`, has its network's: whoever runs it hands a learner in (host_files/learning.hpp).
 std::uint8_t forecast_kind(const std::string &name);
 
 /// Builds it. Throws BadRequest naming an option whose value does not fit the setting: the window comes from the

@@ -13,6 +13,7 @@ extern "C" {
 #include "elmopp/forecast.h"
 #include "elmopp/image.h"
 #include "elmopp/junction.h"
+#include "elmopp/learner.h"
 #include "elmopp/lstm_f32.h"
 #include "elmopp/outflow.h"
 #include "elmopp/pilot.h"
@@ -22,6 +23,7 @@ extern "C" {
 #include "elmopp/rollout.h"
 #include "elmopp/sight.h"
 #include "elmopp/site.h"
+#include "elmopp/trainer.h"
 #include "elmopp/urgency.h"
 #include "elmopp/weights.h"
 }

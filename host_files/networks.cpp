@@ -4,6 +4,7 @@
 #include "networks.hpp"
 
 #include "error.hpp"
+#include "learning.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -20,10 +21,11 @@ extern "C" {
 namespace elmopp {
 
 const elmopp_weights_t *shipped_weights(const std::string &forecast) {
-    if (forecast == "lstm" || forecast == "lstm-q15" || forecast == "ann" || forecast == "gcn") {
+    const std::string network = network_of(forecast);
+    if (network == "lstm" || network == "lstm-q15" || network == "ann" || network == "gcn") {
         return &elmopp_weights_lstm;
     }
-    return forecast == "nlstm" || forecast == "nlstm-q15" ? &elmopp_weights_nlstm : nullptr;
+    return network == "nlstm" || network == "nlstm-q15" ? &elmopp_weights_nlstm : nullptr;
 }
 
 elmopp_weights_t weights_of_image(const std::uint8_t *image, std::size_t length) {
@@ -65,7 +67,7 @@ std::vector<std::string> network_names(const elmopp_weights_t &weights) {
 
 bool can_forecast(const elmopp_weights_t &weights, const std::string &forecast) {
     const auto names = network_names(weights);
-    return std::find(names.begin(), names.end(), forecast) != names.end();
+    return std::find(names.begin(), names.end(), network_of(forecast)) != names.end();
 }
 
 std::string networks_in(const elmopp_weights_t &weights) {

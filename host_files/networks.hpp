@@ -28,7 +28,7 @@ elmopp_weights_t read_weights(const std::filesystem::path &file);
 /// could overflow; and `ann` and `gcn`.
 std::vector<std::string> network_names(const elmopp_weights_t &weights);
 
-/// Whether a forecast is one of them.
+/// Whether a forecast is one of them, or learns on from one.
 bool can_forecast(const elmopp_weights_t &weights, const std::string &forecast);
 
 /// The same names in words, for a message.

@@ -6,6 +6,7 @@
 #include "csv.hpp"
 #include "foresight.hpp"
 #include "jobs.hpp"
+#include "learning.hpp"
 #include "networks.hpp"
 #include "scenario.hpp"
 #include "trial.hpp"
@@ -29,8 +30,8 @@ constexpr std::array<std::size_t, 4> horizons_s{1, 10, 30, 60};
 constexpr int digits = 6;
 
 const std::vector<std::string> &judged() {
-    static const std::vector<std::string> names{"mean",  "persistence", "ewma",      "ar8", "lstm",
-                                                "nlstm", "lstm-q15",    "nlstm-q15", "ann", "gcn"};
+    static const std::vector<std::string> names{"mean",       "persistence",  "ewma",  "ar8",       "lstm", "lstm-q15",
+                                                "lstm-learn", "lstm-literal", "nlstm", "nlstm-q15", "ann",  "gcn"};
     return names;
 }
 
@@ -46,8 +47,8 @@ Weights weights_of(const AccuracyRequest &request) {
     }
     for (const auto &file : request.weights) {
         const elmopp_weights_t own = read_weights(file);
-        for (const auto &name : network_names(own)) {
-            weights[name] = own;
+        for (auto &[name, used] : weights) {
+            used = can_forecast(own, name) ? own : used;
         }
     }
     return weights;
@@ -80,8 +81,9 @@ void judge_second(const std::array<const float *, ELMOPP_APPROACH_MAX> &rows, co
 
 void judge_forecast(const std::string &name, const elmopp_weights_t *weights, const Scenario &scenario,
                     const Demand &demand, std::array<double, horizons_s.size()> &squared) {
-    const elmopp_forecast_config_t config{forecast_kind(name), demand.ar8.data(), demand.mean_veh_per_s.data(),
-                                          weights};
+    const auto learning = make_learning(name, weights, scenario.junction.approach_count);
+    const elmopp_forecast_config_t config{forecast_kind(name), demand.ar8.data(), demand.mean_veh_per_s.data(), weights,
+                                          learner_of(learning)};
     elmopp_forecast_t forecast;
     elmopp_forecast_init(&forecast, &scenario.junction, &config);
     Arrivals arrivals(scenario, demand);
@@ -121,7 +123,7 @@ Sums judge_trial(const AccuracyRequest &request, const Weights &weights, std::si
         const std::size_t distrusted =
             network == nullptr
                 ? 0
-                : foresee(name, *network, source.unit, ELMOPP_PILOT_TRACE_S, simulated_points).distrusted_s;
+                : foresee({name, *network, source.unit, ELMOPP_PILOT_TRACE_S, simulated_points}).distrusted_s;
         sums.distrusted_s.push_back(static_cast<double>(distrusted));
     }
     measure_signal(demand, sums);

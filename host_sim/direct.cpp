@@ -2,6 +2,7 @@
 // Copyright 2026 The ELMOPP authors
 
 #include "error.hpp"
+#include "learning.hpp"
 #include "trial.hpp"
 
 #include <algorithm>
@@ -16,7 +17,11 @@ class Direct final : public Control {
         : scenario_(scenario), demand_(demand), oracle_(spec.forecast == "oracle"),
           plugged_(make_chooser(spec, scenario.setting())), present_veh_(scenario.capacity_veh.size()),
           arrived_veh_(scenario.capacity_veh.size()) {
-        const elmopp_forecast_config_t config = forecast_of(spec, demand);
+        elmopp_forecast_config_t config = forecast_of(spec, demand);
+        if (demand.foresight == nullptr) {
+            learning_ = make_learning(spec.forecast, config.weights, scenario.junction.approach_count);
+            config.learner = learner_of(learning_);
+        }
         elmopp_pilot_init(&pilot_, &scenario.junction, &plugged_->chooser, &config);
         Arrivals(scenario, demand).absorb_known(pilot_, 0);
     }
@@ -70,6 +75,7 @@ class Direct final : public Control {
     std::unique_ptr<Plugged> plugged_;
     std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> scaled_veh_{};
     std::array<std::array<float, ELMOPP_HORIZON_MAX>, ELMOPP_APPROACH_MAX> told_veh_{};
+    std::unique_ptr<Learning> learning_;
     elmopp_pilot_t pilot_{};
     std::vector<float> present_veh_;
     std::vector<float> arrived_veh_;

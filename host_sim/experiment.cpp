@@ -54,7 +54,7 @@ std::vector<Block> beside_blocks() {
     return {{"paper", sweeps},
             {"saturation", sweeps},
             {"figure", parse_choosers("naive,cumulative:none,cumulative:ar8,cumulative:oracle,itlc,oaf")},
-            {"literal", parse_choosers("naive,cumulative:none")}};
+            {"literal", parse_choosers("naive,cumulative:none,cumulative:lstm-literal")}};
 }
 
 class Progress {
@@ -160,7 +160,7 @@ class Experiment {
             list.resize(sources.size());
             const auto look = [&, forecast = key.second, count = most, &found = list](std::size_t trial) {
                 found[trial] =
-                    foresee(forecast, *shipped_weights(forecast), sources[trial].unit, count, simulated_points);
+                    foresee({forecast, *shipped_weights(forecast), sources[trial].unit, count, simulated_points});
             };
             run_jobs(sources.size(), request_.jobs, look, {});
         }

@@ -6,6 +6,7 @@
 #include "autoregression.hpp"
 #include "choosers.hpp"
 #include "error.hpp"
+#include "learning.hpp"
 #include "scenario.hpp"
 #include "trial.hpp"
 
@@ -24,20 +25,23 @@ elmopp_stage_t write_down(void *state, const elmopp_view_t *view, float * /*scor
 
 } // namespace
 
-Foresight foresee(const std::string &forecast, const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps,
-                  std::size_t seconds) {
+Foresight foresee(const Foreseen &asked) {
     const Scenario scenario = make_scenario(find_profile("paper"), nullptr);
-    Foresight foresight{steps, unit.size(), {}, 0};
-    foresight.unit_veh.reserve(seconds * unit.size() * steps);
-    const Demand demand = make_demand(unit, 1.0, training_points, {}, true, seconds);
-    const elmopp_chooser_t chooser{write_down, &foresight, steps};
-    const elmopp_forecast_config_t config{forecast_kind(forecast), nullptr, demand.mean_veh_per_s.data(), &weights};
+    Foresight foresight{asked.steps, asked.unit.size(), {}, 0};
+    foresight.unit_veh.reserve(asked.seconds * asked.unit.size() * asked.steps);
+    const Demand demand = make_demand(asked.unit, 1.0, training_points, {}, true, asked.seconds);
+    const elmopp_chooser_t chooser{write_down, &foresight, asked.steps};
+    const auto learning = make_learning(asked.forecast, &asked.weights, scenario.junction.approach_count);
+    const elmopp_forecast_config_t config{forecast_kind(asked.forecast), nullptr, demand.mean_veh_per_s.data(),
+                                          &asked.weights, learner_of(learning)};
     elmopp_pilot_t pilot;
     elmopp_pilot_init(&pilot, &scenario.junction, &chooser, &config);
     Arrivals arrivals(scenario, demand);
-    arrivals.absorb_known(pilot, 0);
+    for (std::size_t point = demand.origin - asked.known_s; point < demand.origin; ++point) {
+        elmopp_pilot_absorb(&pilot, arrivals.at(point));
+    }
     const std::vector<float> nobody(scenario.junction.movement_count, 0.0F);
-    for (std::size_t t = 0; t < seconds; ++t) {
+    for (std::size_t t = 0; t < asked.seconds; ++t) {
         const elmopp_counts_t counts{nobody.data(), arrivals.at(demand.origin + t), 0U, nullptr};
         if (!elmopp_pilot_step(&pilot, &counts, nullptr)) {
             throw Failure("second " + std::to_string(t) + ": the pilot refused the counts");

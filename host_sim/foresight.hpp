@@ -30,8 +30,16 @@ struct Foresight {
     }
 };
 
-/// `unit` as of unit_inflow(), [approach][point], one approach each of the paper's junction.
-Foresight foresee(const std::string &forecast, const elmopp_weights_t &weights, const Series &unit, std::uint16_t steps,
-                  std::size_t seconds);
+/// What a foresight is of.
+struct Foreseen {
+    std::string forecast; ///< a network, by its name
+    const elmopp_weights_t &weights;
+    const Series &unit; ///< as of unit_inflow(), [approach][point], one approach each of the paper's junction
+    std::uint16_t steps;
+    std::size_t seconds;
+    std::size_t known_s = ELMOPP_FORECAST_MEAN_WINDOW_S; ///< before second 0 that it has seen
+};
+
+Foresight foresee(const Foreseen &asked);
 
 } // namespace elmopp

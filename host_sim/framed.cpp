@@ -2,6 +2,7 @@
 // Copyright 2026 The ELMOPP authors
 
 #include "error.hpp"
+#include "learning.hpp"
 #include "jobs.hpp"
 #include "networks.hpp"
 #include "trial.hpp"
@@ -305,6 +306,8 @@ class InProcess final : public Link {
         elmopp_forecast_config_t forecast = forecast_of(spec, demand);
         forecast.ar8 = ar8_.data();
         forecast.mean_veh_per_s = nullptr;
+        learning_ = make_learning(spec.forecast, forecast.weights, scenario.junction.approach_count);
+        forecast.learner = learner_of(learning_);
         const elmopp_controller_config_t config{&scenario.junction, plugged_->chooser, forecast};
         elmopp_controller_init(&controller_, &config);
     }
@@ -336,6 +339,7 @@ class InProcess final : public Link {
     Setting setting_;
     std::unique_ptr<Plugged> plugged_;
     std::vector<elmopp_ar8_t> ar8_;
+    std::unique_ptr<Learning> learning_;
     elmopp_controller_t controller_{};
     std::uint8_t trace_counter_ = 0;
 };

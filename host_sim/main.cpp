@@ -10,6 +10,7 @@
 #include "error.hpp"
 #include "experiment.hpp"
 #include "jobs.hpp"
+#include "learning_trial.hpp"
 #include "road_network_trial.hpp"
 #include "run.hpp"
 #include "scenario.hpp"
@@ -138,6 +139,9 @@ struct Texts {
     bool paused = false;
     bool straight = false;
     std::vector<std::string> weight_files;
+    std::string learning_vehicles{"600"};
+    std::string learning_chooser{"rollout"};
+    std::string updates{"6000"};
     bool full = false;
     bool no_figures = false;
     bool list_json = false;
@@ -458,6 +462,49 @@ void add_serve(CLI::App &app, Texts &texts) {
     });
 }
 
+/// A chooser that reads a forecast, without one: the command gives it several.
+std::string reader_of(const std::string &text) {
+    const ChooserSpec spec = parse_chooser(text);
+    for (const auto &kind : chooser_kinds()) {
+        if (kind.name == spec.name && kind.forecasts && text.find(':') == std::string::npos) {
+            return text;
+        }
+    }
+    throw BadRequest("--chooser \"" + text +
+                     "\": right would be a chooser that reads a forecast, without one, such as rollout or cumulative");
+}
+
+void add_learning(CLI::App &app, Texts &texts) {
+    auto *command = app.add_subcommand(
+        "learning",
+        "Does it pay to learn on? Errors and delays on other demand, with frozen, learning and oracle weights");
+    command->add_option("--trials", texts.trials, "Initial conditions")->type_name("N")->capture_default_str();
+    command->add_option("--seed", texts.seed, "Seed of the initial conditions")->type_name("N")->capture_default_str();
+    command->add_option("--vehicles", texts.learning_vehicles, "Vehicles per approach")
+        ->type_name("N")
+        ->capture_default_str();
+    command->add_option("--chooser", texts.learning_chooser, "Who is shown the forecasts")
+        ->type_name("CHOOSER")
+        ->capture_default_str();
+    command->add_option("--updates", texts.updates, "Updates in an oracle's training")
+        ->type_name("N")
+        ->capture_default_str();
+    command->add_option("--jobs", texts.jobs, "Trials at the same time (default: one a core); changes no result")
+        ->type_name("N");
+    command->add_option("--json", texts.json, "File for the figures")->type_name("FILE");
+    command->callback([command, &texts] {
+        LearningRequest request;
+        request.trials = whole("--trials", texts.trials, 1, most_trials);
+        request.seed = whole("--seed", texts.seed, 0, largest_seed);
+        request.vehicles = vehicles_of(texts.learning_vehicles);
+        request.chooser = reader_of(texts.learning_chooser);
+        request.updates = static_cast<unsigned>(whole("--updates", texts.updates, 1, 1e6));
+        request.jobs = jobs_of(*command, texts);
+        request.json = given(*command, "--json", std::filesystem::path(texts.json));
+        run_learning(request);
+    });
+}
+
 nlohmann::ordered_json built() {
     nlohmann::ordered_json list{{"profiles", nlohmann::ordered_json::array()},
                                 {"choosers", nlohmann::ordered_json::array()},
@@ -528,6 +575,7 @@ int run(int argc, char **argv) {
     add_run(app, texts);
     add_inflow(app, texts);
     add_accuracy(app, texts);
+    add_learning(app, texts);
     add_bench(app, texts);
     add_list(app, texts);
     add_serve(app, texts);

@@ -84,7 +84,7 @@ Demand make_demand(const Series &unit, double vehicles_per_approach, std::size_t
 Demand make_discrete_demand(const Scenario &scenario, const Series &unit, double vehicles_per_approach,
                             std::uint64_t seed, std::uint64_t trial, std::size_t seconds);
 
-/// The forecast that the core makes for itself; what comes from outside is none to it.
+/// The forecast that the core makes for itself; what comes from outside is none to it. Without a learner.
 elmopp_forecast_config_t forecast_of(const ChooserSpec &spec, const Demand &demand);
 
 /// Metrics of docs/algorithm.md, 1.5.

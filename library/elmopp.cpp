@@ -6,6 +6,7 @@
 #include "choosers.hpp"
 #include "core.hpp"
 #include "error.hpp"
+#include "learning.hpp"
 #include "networks.hpp"
 #include "sites.hpp"
 
@@ -34,6 +35,7 @@ struct elmopp_handle {
     std::array<elmopp_ar8_t, ELMOPP_APPROACH_MAX> ar8{};
     elmopp::Downstream downstream_veh{};
     std::unique_ptr<elmopp::Plugged> plugged;
+    std::unique_ptr<elmopp::Learning> learning;
     elmopp_pilot_t pilot{};
     elmopp_monitor_t monitor{};
     bool occupied = false;
@@ -115,8 +117,10 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     self->plugged = make_chooser(spec, Setting{self->junction, true, false, travel_of(options, self->junction),
                                                options.seed, self->downstream_veh.data()});
     self->ar8.fill(shipped_weights("lstm")->ar8);
-    const elmopp_forecast_config_t forecast{forecast_kind(spec.forecast), self->ar8.data(), nullptr,
-                                            weights_of(*self, options, spec.forecast)};
+    const elmopp_weights_t *weights = weights_of(*self, options, spec.forecast);
+    self->learning = make_learning(spec.forecast, weights, self->junction.approach_count);
+    const elmopp_forecast_config_t forecast{forecast_kind(spec.forecast), self->ar8.data(), nullptr, weights,
+                                            learner_of(self->learning)};
     elmopp_pilot_init(&self->pilot, &self->junction, &self->plugged->chooser, &forecast);
     elmopp_monitor_init(&self->monitor, &self->junction);
     // A new monitor has seen flashing, after which comes red.

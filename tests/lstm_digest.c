@@ -14,6 +14,7 @@
 #include "elmopp/lstm_f32.h"
 #include "elmopp/lstm_q15.h"
 #include "elmopp/lstm_quantize.h"
+#include "elmopp/trainer.h"
 #include "random.h"
 
 #include <stdbool.h>
@@ -24,6 +25,7 @@
 
 #define DRIVEN_STEPS 500U
 #define FREE_STEPS 60U
+#define TRAINING_UPDATES 4U
 
 #define ARGUMENT_STRIDE 16381U ///< a prime: takes every exponent and all kinds of low bits
 #define SIGN_BIT 0x80000000U
@@ -214,6 +216,48 @@ static void print_function(const char *name, float (*function)(float)) {
     print_digest(name, digest);
 }
 
+/* A few updates on two batches of random seconds: slopes, averages and weights after each. */
+static void print_training(uint32_t levels) {
+    static const char *const name[] = {"train-1", "train-2", "train-3"};
+    static elmopp_trainer_memory_t memory;
+    static elmopp_trainer_inner_memory_t inner;
+    static float seen[ELMOPP_TRAINER_WINDOW + 1U][ELMOPP_LSTM_INPUTS];
+    static const float low[ELMOPP_LSTM_INPUTS] = {0.0F, 0.0F, 0.0F, 0.0F};
+    static const float high[ELMOPP_LSTM_INPUTS] = {4.0F, 4.0F, 4.0F, 4.0F};
+    uint64_t digest = FNV_BASIS;
+    uint64_t random = 200U + levels;
+    elmopp_trainer_t trainer;
+    make_weights(levels);
+    (void)memset(&state, 0, sizeof state);
+    elmopp_trainer_init(&trainer, &memory, &inner, &weights);
+    for (uint32_t update = 0U; update < TRAINING_UPDATES; update++) {
+        for (uint32_t k = 0U; k < 2U; k++) {
+            fill(&random, seen[0], (ELMOPP_TRAINER_WINDOW + 1U) * ELMOPP_LSTM_INPUTS, 4.0F);
+            fill(&random, state.hidden, ELMOPP_LSTM_UNITS, 1.0F);
+            const elmopp_trainer_sample_t sample = {.before = &state,
+                                                    .seen = (const float (*)[ELMOPP_LSTM_INPUTS])seen,
+                                                    .steps = ELMOPP_TRAINER_WINDOW - k,
+                                                    .fed = 10U,
+                                                    .unscored = 5U,
+                                                    .inputs = ELMOPP_LSTM_INPUTS - k,
+                                                    .low = low,
+                                                    .high = high};
+            const float error = elmopp_trainer_take(&trainer, &sample);
+            take(&digest, &error, 1U);
+            take(&digest, memory.slope.head_bias, ELMOPP_LSTM_INPUTS);
+            take(&digest, memory.slope.outer.row[0], ELMOPP_LSTM_OUTER_ROWS * ELMOPP_LSTM_GATES);
+        }
+        (void)elmopp_trainer_update(&trainer, 1.0F / 256.0F);
+        take(&digest, memory.weight.head_bias, ELMOPP_LSTM_INPUTS);
+        take(&digest, memory.weight.outer.row[0], ELMOPP_LSTM_OUTER_ROWS * ELMOPP_LSTM_GATES);
+        take(&digest, memory.square.outer.row[0], ELMOPP_LSTM_OUTER_ROWS * ELMOPP_LSTM_GATES);
+        for (uint32_t k = 0U; (k + 1U) < levels; k++) {
+            take(&digest, inner.weight[k].row[0], ELMOPP_LSTM_INNER_ROWS * ELMOPP_LSTM_GATES);
+        }
+    }
+    print_digest(name[levels - 1U], digest);
+}
+
 int main(void) {
     print_function("exp", elmopp_exp);
     print_function("tanh", elmopp_tanh);
@@ -223,6 +267,9 @@ int main(void) {
     }
     for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
         print_whole_lstm(levels);
+    }
+    for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
+        print_training(levels);
     }
     make_window_weights();
     print_windows("ann", false);

@@ -117,6 +117,7 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
                           const elmopp_forecast_config_t *config) {
     ELMOPP_ASSERT(config->kind < (uint8_t)ELMOPP_FORECAST_COUNT);
     ELMOPP_ASSERT((config->kind != (uint8_t)ELMOPP_FORECAST_AR8) || (config->ar8 != NULL));
+    ELMOPP_ASSERT((config->learner == NULL) || (config->learner->shipped == config->weights));
     *self = (elmopp_forecast_t){.config = *config, .junction = junction};
     arm(self);
     join_approaches(&self->graph, junction);
@@ -126,8 +127,10 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
 void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew) {
     self->config.weights = weights;
     arm(self);
-    for (uint32_t group = 0U; anew && (group < ELMOPP_FORECAST_GROUP_MAX); group++) {
-        (void)memset(&self->memory[group], 0, sizeof self->memory[group]);
+    self->config.learner = NULL; /* what it learnt began with the weights before */
+    if (anew) {
+        (void)memset(self->memory, 0, sizeof self->memory);
+        (void)memset(self->whole_memory, 0, sizeof self->whole_memory);
     }
 }
 
@@ -139,38 +142,39 @@ static uint32_t group_count(const elmopp_forecast_t *self) {
     return (self->junction->approach_count + ELMOPP_FORECAST_GROUP_SIZE - 1U) / ELMOPP_FORECAST_GROUP_SIZE;
 }
 
-/* A recurrent network's step and its head, in the arithmetic of the kind. */
-static void step(const elmopp_forecast_t *self, elmopp_forecast_memory_t *memory,
-                 const float input[ELMOPP_FORECAST_GROUP_SIZE]) {
-    if (is_q15(self->config.kind)) {
-        elmopp_lstm_q15_step(&self->q15, &memory->q15, input);
-    } else {
-        elmopp_lstm_f32_step(&self->config.weights->lstm, &memory->f32, input);
-    }
+/* Only what is in floats learns. */
+static elmopp_learner_t *learner_of(const elmopp_forecast_t *self) {
+    const bool learns = is_recurrent(self->config.kind) && (!is_q15(self->config.kind));
+    return (self->armed && learns) ? self->config.learner : NULL;
 }
 
-static void say(const elmopp_forecast_t *self, const elmopp_forecast_memory_t *memory,
-                float output[ELMOPP_FORECAST_GROUP_SIZE]) {
-    if (is_q15(self->config.kind)) {
-        elmopp_lstm_q15_output(&self->q15, &memory->q15, output);
-    } else {
-        elmopp_lstm_f32_output(&self->config.weights->lstm, &memory->f32, output);
-    }
-}
-
-/* A recurrent network sees one second. Inputs without an approach, or without any demand, are 0. */
-static void remember(elmopp_forecast_t *self) {
+/* What a group's network sees of this second. Inputs without an approach, or without any demand, are 0. */
+static void see_second(const elmopp_forecast_t *self, uint32_t group, float input[ELMOPP_FORECAST_GROUP_SIZE]) {
     const elmopp_weights_t *weights = self->config.weights;
-    for (uint32_t group = 0U; group < group_count(self); group++) {
-        float input[ELMOPP_FORECAST_GROUP_SIZE] = {0.0F, 0.0F, 0.0F, 0.0F};
-        for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
-            const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
-            const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
-            if (scale_veh > 0.0F) {
-                input[k] = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
-            }
+    for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
+        const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
+        const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
+        input[k] = 0.0F;
+        if (scale_veh > 0.0F) {
+            input[k] = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
         }
-        step(self, &self->memory[group], input);
+    }
+}
+
+static void remember(elmopp_forecast_t *self) {
+    elmopp_learner_second_t second;
+    (void)memset(&second, 0, sizeof second);
+    for (uint32_t group = 0U; group < group_count(self); group++) {
+        see_second(self, group, second.input[group]);
+        if (is_q15(self->config.kind)) {
+            elmopp_lstm_q15_step(&self->q15, &self->whole_memory[group], second.input[group]);
+        } else {
+            elmopp_lstm_f32_step(&self->config.weights->lstm, &self->memory[group], second.input[group]);
+        }
+    }
+    elmopp_learner_t *learner = learner_of(self);
+    if (learner != NULL) {
+        elmopp_learner_see(learner, &second, self->memory);
     }
 }
 
@@ -232,12 +236,45 @@ static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uin
     }
 }
 
+/* A recurrent network on its own output: a copy of what it remembers, in the arithmetic of the kind. */
+typedef struct {
+    elmopp_lstm_f32_net_t net;
+    elmopp_lstm_f32_state_t f32;
+    elmopp_lstm_q15_state_t q15;
+} free_run_t;
+
+static free_run_t begin_run(const elmopp_forecast_t *self, uint32_t group) {
+    const elmopp_learner_t *learner = learner_of(self);
+    const bool learnt = (learner != NULL) && elmopp_learner_is_in_use(learner);
+    return (free_run_t){.net = learnt ? elmopp_trainer_net(&learner->trainer)
+                                      : elmopp_lstm_f32_net(&self->config.weights->lstm),
+                        .f32 = learnt ? learner->memory[group] : self->memory[group],
+                        .q15 = self->whole_memory[group]};
+}
+
+static void step(const elmopp_forecast_t *self, free_run_t *run, const float input[ELMOPP_FORECAST_GROUP_SIZE]) {
+    if (is_q15(self->config.kind)) {
+        elmopp_lstm_q15_step(&self->q15, &run->q15, input);
+    } else {
+        elmopp_lstm_f32_net_step(&run->net, &run->f32, input);
+    }
+}
+
+static void say(const elmopp_forecast_t *self, const free_run_t *run, float output[ELMOPP_FORECAST_GROUP_SIZE]) {
+    if (is_q15(self->config.kind)) {
+        elmopp_lstm_q15_output(&self->q15, &run->q15, output);
+    } else {
+        elmopp_lstm_f32_net_output(&run->net, &run->f32, output);
+    }
+}
+
 /* Runs one group's recurrent network on its own output, from a copy of its memory. */
-static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_forecast_memory_t memory, uint32_t steps) {
+static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, uint32_t steps) {
     const elmopp_weights_t *weights = self->config.weights;
+    free_run_t run = begin_run(self, group);
     for (uint32_t t = 0U; t < steps; t++) {
         float next[ELMOPP_FORECAST_GROUP_SIZE];
-        say(self, &memory, next);
+        say(self, &run, next);
         for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
             const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
             if (approach < self->junction->approach_count) {
@@ -248,7 +285,7 @@ static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, elmopp_for
             }
         }
         if ((t + 1U) < steps) {
-            step(self, &memory, next);
+            step(self, &run, next);
         }
     }
 }
@@ -341,7 +378,7 @@ static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
         fill_with_mean(self, steps);
     } else if (is_recurrent(self->config.kind)) {
         for (uint32_t group = 0U; group < group_count(self); group++) {
-            fill_from_memory(self, group, self->memory[group], steps);
+            fill_from_memory(self, group, steps);
         }
     } else if (elmopp_forecast_is_network(self->config.kind)) {
         fill_from_windows(self, steps);

@@ -16,3 +16,5 @@ elmopp_add_unity_test(NAME test_lstm_kernel SOURCES board/test_lstm_kernel.c boa
     LIBS elmopp_test_support)
 elmopp_add_unity_test(NAME test_lstm_q15_kernel SOURCES board/test_lstm_q15_kernel.c board/portable_q15_kernel.c
     LIBS elmopp_test_support)
+elmopp_add_unity_test(NAME test_trainer_kernel SOURCES board/test_trainer_kernel.c board/portable_trainer_kernel.c
+    LIBS elmopp_test_support)

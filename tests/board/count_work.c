@@ -11,6 +11,10 @@
 ///   lstm_f32_step      a step of the plain LSTM, over weights, inputs and states from zero to 1e30 and subnormal ones
 ///   nlstm3_f32_step    the same of three nested levels
 ///   lstm_q15_step, nlstm3_q15_step    the same in whole numbers; weights of any that a row may have
+///   train_w30          a sample of 30 steps, 10 of them fed, and an update (elmopp/trainer.h), one level, weights,
+///   inputs and
+///                      states as above; nlstm3_train_w30 the same of three
+///   learner_second     elmopp_learner_see() on traffic that the network does not know, one group: whatever its turn is
 ///   rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches
 ///   rollout60_q15      the same, kind lstm-q15
 ///   quantize, quantize3    elmopp_lstm_quantize() of one level and of three
@@ -24,6 +28,7 @@
 
 #include "bench.h"
 #include "count_marks.h"
+#include "elmopp/learner.h"
 #include "elmopp/pressure.h"
 #include "elmopp/priced.h"
 #include "elmopp/rollout.h"
@@ -37,6 +42,8 @@
 #include <string.h>
 
 #define STEP_CASES 200U
+#define TRAIN_CASES 9U
+#define LEARNER_S 150U
 #define FREE_RUNS 20U
 #define WARM_S 70U    ///< a forecast is warm, its account and the chooser's have something in them
 #define LOAD_S 25U    ///< so long there are few, some or many
@@ -150,6 +157,63 @@ static void count_quantizing(const char *key, uint32_t levels) {
         (void)elmopp_lstm_quantize(&weights, low, high, &whole_weights);
         COUNT_END();
         (void)puts(key);
+    }
+}
+
+/* --- training --- */
+
+static void count_training(const char *key, uint32_t levels) {
+    static elmopp_trainer_memory_t memory;
+    static elmopp_trainer_inner_memory_t inner;
+    static float seen[ELMOPP_TRAINER_WINDOW + 1U][ELMOPP_LSTM_INPUTS];
+    static const float low[ELMOPP_LSTM_INPUTS] = {0.0F, 0.0F, 0.0F, 0.0F};
+    static const float high[ELMOPP_LSTM_INPUTS] = {4.0F, 4.0F, 4.0F, 4.0F};
+    const elmopp_trainer_sample_t sample = {.before = &state,
+                                            .seen = (const float (*)[ELMOPP_LSTM_INPUTS])seen,
+                                            .steps = ELMOPP_TRAINER_WINDOW,
+                                            .fed = 10U,
+                                            .unscored = 5U,
+                                            .inputs = ELMOPP_LSTM_INPUTS,
+                                            .low = low,
+                                            .high = high};
+    elmopp_trainer_t trainer;
+    for (uint32_t i = 0U; i < TRAIN_CASES; i++) {
+        const values_t kind = (values_t)(i % VALUES_LARGE); /* slopes that are no numbers are thrown away */
+        make_weights(levels, (i < VALUES_LARGE) ? VALUES_ORDINARY : kind);
+        fill(seen[0], (ELMOPP_TRAINER_WINDOW + 1U) * ELMOPP_LSTM_INPUTS, (i == 0U) ? VALUES_TINY : kind);
+        fill(state.hidden, ELMOPP_LSTM_UNITS, kind);
+        fill(state.cell[0], ELMOPP_LSTM_LEVELS_MAX * ELMOPP_LSTM_UNITS, kind);
+        elmopp_trainer_init(&trainer, &memory, &inner, &weights);
+        COUNT_BEGIN();
+        (void)elmopp_trainer_take(&trainer, &sample);
+        (void)elmopp_trainer_update(&trainer, 1.0e-4F);
+        COUNT_END();
+        (void)puts(key);
+    }
+}
+
+/* Traffic that goes up and down as the shipped network has never seen it. */
+static void count_learner(void) {
+    static elmopp_trainer_memory_t memory;
+    static elmopp_learner_t learner;
+    static elmopp_lstm_f32_state_t shipped[ELMOPP_LEARNER_GROUPS_MAX];
+    elmopp_learner_second_t second;
+    (void)memset(&second, 0, sizeof second);
+    elmopp_learner_init(&learner, &memory, NULL, &elmopp_weights_lstm, ELMOPP_LEARNER_CAREFUL, ELMOPP_LSTM_INPUTS);
+    for (uint32_t t = 0U; t < LEARNER_S; t++) {
+        for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
+            second.input[0][k] = 0.1F * (float)((t * (k + 1U)) % 20U);
+        }
+        elmopp_lstm_f32_step(&elmopp_weights_lstm.lstm, &shipped[0], second.input[0]);
+        const bool is_counted = t > ELMOPP_TRAINER_WINDOW;
+        if (is_counted) {
+            COUNT_BEGIN();
+        }
+        elmopp_learner_see(&learner, &second, shipped);
+        if (is_counted) {
+            COUNT_END();
+            (void)puts("learner_second");
+        }
     }
 }
 
@@ -345,6 +409,9 @@ int main(int argc, char **argv) {
     count_whole_steps("nlstm3_q15_step", ELMOPP_LSTM_LEVELS_MAX);
     count_quantizing("quantize", 1U);
     count_quantizing("quantize3", ELMOPP_LSTM_LEVELS_MAX);
+    count_training("train_w30", 1U);
+    count_training("nlstm3_train_w30", ELMOPP_LSTM_LEVELS_MAX);
+    count_learner();
     count_free_runs("rollout60_f32", ELMOPP_FORECAST_LSTM);
     count_free_runs("rollout60_q15", ELMOPP_FORECAST_LSTM_Q15);
     count_ticks("tick_worst.naive", make_naive, ELMOPP_FORECAST_NONE, &elmopp_site_paper);

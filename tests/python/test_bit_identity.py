@@ -17,10 +17,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 BOARD = ROOT / "tests" / "board"
 GOLDEN = ROOT / "tests" / "golden" / "lstm_digest.txt"
-ROOMS = ("ann_f32", "elementary", "gcn_f32", "lstm_f32", "lstm_q15", "lstm_q15_table", "lstm_quantize")
+ROOMS = ("ann_f32", "elementary", "gcn_f32", "lstm_f32", "lstm_q15", "lstm_q15_table", "lstm_quantize", "trainer")
 SOURCES = ("tests/lstm_digest.c", *(f"firmware/src/{room}.c" for room in ROOMS))
-PORTABLE_KERNELS = ("firmware/src/lstm_kernel.c", "firmware/src/lstm_q15_kernel.c")
-CORTEX_M4_KERNELS = ("firmware/port/cortex_m/lstm_kernel.S", "firmware/port/cortex_m/lstm_q15_kernel.S")
+KERNELS = ("lstm_kernel", "lstm_q15_kernel", "trainer_kernel")
+PORTABLE_KERNELS = tuple(f"firmware/src/{kernel}.c" for kernel in KERNELS)
+CORTEX_M4_KERNELS = tuple(f"firmware/port/cortex_m/{kernel}.S" for kernel in KERNELS)
 
 # The core's own, as in CMakeLists.txt and firmware/CMakeLists.txt; tests of each preset hold those to the same file.
 FLAGS = ("-std=c11", "-ffp-contract=off", "-fno-trapping-math", "-fno-math-errno")
@@ -89,9 +90,7 @@ def test_sanitizers_find_nothing_and_leave_the_bits(tmp_path: Path, golden: str)
 
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("kernels", [PORTABLE_KERNELS, CORTEX_M4_KERNELS], ids=["portable", "cortex-m4"])
-def test_a_cortex_m4_gives_the_same_bits(
-    tmp_path: Path, golden: str, kernels: Sequence[str], level: str
-) -> None:
+def test_a_cortex_m4_gives_the_same_bits(tmp_path: Path, golden: str, kernels: Sequence[str], level: str) -> None:
     assert digest_on_board(tmp_path, kernels, level) == golden
 
 

@@ -34,6 +34,7 @@ LEVEL_0 = frozenset(
         "lstm_q15_table",
         "lstm_shape",
         "mode",
+        "trainer_kernel",
     }
 )
 
@@ -56,6 +57,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "lstm_kernel": frozenset({"elementary", "lstm_shape"}),
     "lstm_q15_table": frozenset(),
     "lstm_q15_kernel": frozenset({"lstm_q15_table", "lstm_shape"}),
+    "trainer_kernel": frozenset({"elementary", "lstm_kernel", "lstm_shape"}),
     # level 1: not each other
     "account": LEVEL_0,
     "age": LEVEL_0,
@@ -76,12 +78,16 @@ ROOMS: dict[str, frozenset[str]] = {
     # level 2: what is learnt, for all models
     "weights": LEVEL_0 | MODELS,
     "lstm_quantize": LEVEL_0 | {"lstm_f32", "lstm_q15"},
+    # what changes it, and whether that was good
+    "trainer": LEVEL_0 | {"lstm_f32"},
+    "learner": LEVEL_0 | MODELS | {"trainer", "weights"},
     # who comes, and a model of what follows, for a chooser that plans ahead
     "coming": LEVEL_0 | {"account", "sight"},
     "future": LEVEL_0 | {"account", "coming", "sight"},
     "rollout": LEVEL_0 | {"account", "coming", "future", "sight"},
+    # level 4, above the learner
+    "forecast": LEVEL_0 | MODELS | {"account", "learner", "lstm_quantize", "outflow", "trainer", "weights"},
     # level 3: not each other; a chooser's forecast comes in the view
-    "forecast": LEVEL_0 | MODELS | {"account", "lstm_quantize", "outflow", "weights"},
     "urgency": LEVEL_0 | {"age"},
     "pressure": LEVEL_0,
     "priced": LEVEL_0 | {"age"},
@@ -90,11 +96,23 @@ ROOMS: dict[str, frozenset[str]] = {
     "transfer": LEVEL_0 | {"link"},
     # the other side of the bus, a device of its own
     "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
-    # level 4: the inner seam
+    # level 5: the inner seam
     "pilot": LEVEL_0
     | MODELS
-    | {"account", "forecast", "lstm_quantize", "outflow", "plan", "pressure", "site", "urgency", "weights"},
-    # level 5: the outer seam
+    | {
+        "account",
+        "forecast",
+        "learner",
+        "lstm_quantize",
+        "outflow",
+        "plan",
+        "pressure",
+        "site",
+        "trainer",
+        "urgency",
+        "weights",
+    },
+    # level 6: the outer seam
     "controller": LEVEL_0
     | MODELS
     | {
@@ -115,7 +133,7 @@ ROOMS: dict[str, frozenset[str]] = {
 }
 # what has come, is on trial and outlives a reset, beside the controller
 ROOMS["keeper"] = ROOMS["controller"] | {"controller", "store", "transfer"}
-# level 6: a controller with everything that its site names
+# level 7: a controller with everything that its site names
 ROOMS["station"] = ROOMS["controller"] | {
     "coming",
     "controller",

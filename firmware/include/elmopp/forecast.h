@@ -26,6 +26,9 @@
 /// have four inputs: approaches go in groups of four in site order, each group for itself, the same weights; an input
 /// without approach is 0 and what is said about it is ignored. For gcn each approach is a node, whatever their number.
 ///
+/// lstm and nlstm may learn on (learner.h): then every second goes to the learner too, and the rows are by the learnt
+/// weights whenever its guard has them in use. Who does not hand a learner in pays nothing for it but a pointer.
+///
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
 ///
@@ -40,6 +43,7 @@
 #include "elmopp/account.h"
 #include "elmopp/ar8.h"
 #include "elmopp/junction.h"
+#include "elmopp/learner.h"
 #include "elmopp/lstm_q15.h"
 #include "elmopp/lstm_quantize.h"
 #include "elmopp/outflow.h"
@@ -60,6 +64,7 @@ static_assert(ELMOPP_FORECAST_COLD_S >= ELMOPP_FORECAST_PAST_S, "no window is re
 #define ELMOPP_FORECAST_GROUP_SIZE ELMOPP_LSTM_INPUTS
 #define ELMOPP_FORECAST_GROUP_MAX (ELMOPP_APPROACH_MAX / ELMOPP_FORECAST_GROUP_SIZE)
 static_assert((ELMOPP_APPROACH_MAX % ELMOPP_FORECAST_GROUP_SIZE) == 0U, "every approach is in a group");
+static_assert(ELMOPP_LEARNER_GROUPS_MAX == ELMOPP_FORECAST_GROUP_MAX, "the learner deals the same groups");
 static_assert(ELMOPP_ANN_INPUTS == ELMOPP_FORECAST_GROUP_SIZE, "both kinds of network deal the same groups");
 
 /// Which forecast, and its data. The pointers must outlive the forecast.
@@ -68,6 +73,7 @@ typedef struct {
     const elmopp_ar8_t *ar8;         ///< [approach], for ar8 only
     const float *mean_veh_per_s;     ///< [approach] long-run means; null: running means
     const elmopp_weights_t *weights; ///< for the networks; null: none could be loaded
+    elmopp_learner_t *learner;       ///< for lstm and nlstm: begun with these weights; null: nothing is learnt
 } elmopp_forecast_config_t;
 
 /// Why the rows are what they are.
@@ -76,12 +82,6 @@ typedef enum {
     ELMOPP_FORECAST_COLD,      ///< the mean: too little has been seen
     ELMOPP_FORECAST_UNARMED ///< the mean: there are no weights, or not such as the kind needs, or they fail their check
 } elmopp_forecast_status_t;
-
-/// What a recurrent network remembers of one group, in the arithmetic of the kind; the other stays zero.
-typedef struct {
-    elmopp_lstm_f32_state_t f32;
-    elmopp_lstm_q15_state_t q15;
-} elmopp_forecast_memory_t;
 
 /// State. Set up by elmopp_forecast_init(); nobody else writes it.
 typedef struct {
@@ -95,8 +95,9 @@ typedef struct {
     float share[ELMOPP_MOVEMENT_MAX];
     float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second
     elmopp_lstm_q15_weights_t q15;                               ///< for lstm-q15 and nlstm-q15: made of the weights
-    elmopp_forecast_memory_t memory[ELMOPP_FORECAST_GROUP_MAX];
-    elmopp_gcn_f32_graph_t graph; ///< of the approaches
+    elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];   ///< of a recurrent network ...
+    elmopp_lstm_q15_state_t whole_memory[ELMOPP_FORECAST_GROUP_MAX]; ///< ... and of one in whole numbers
+    elmopp_gcn_f32_graph_t graph;                                    ///< of the approaches
     elmopp_account_t account;
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
 } elmopp_forecast_t;

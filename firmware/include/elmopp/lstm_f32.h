@@ -49,6 +49,15 @@ typedef struct {
     elmopp_lstm_f32_inner_t inner[ELMOPP_LSTM_LEVELS_MAX - 1U]; ///< [0] is inside the outermost; unused ones are zero
 } elmopp_lstm_f32_weights_t;
 
+/// Where a network's weights are. Who learns a network of one level has no room for three (trainer.h).
+typedef struct {
+    uint32_t levels;
+    const float *head_bias;                      ///< [output]
+    const float (*head_row)[ELMOPP_LSTM_INPUTS]; ///< [unit][output]
+    const elmopp_lstm_f32_outer_t *outer;
+    const elmopp_lstm_f32_inner_t *inner; ///< [levels - 1]
+} elmopp_lstm_f32_net_t;
+
 /// What it remembers. All zero: nothing yet.
 typedef struct {
     float hidden[ELMOPP_LSTM_UNITS];
@@ -62,5 +71,18 @@ void elmopp_lstm_f32_step(const elmopp_lstm_f32_weights_t *weights, elmopp_lstm_
 /// The head: what it expects as the next input.
 void elmopp_lstm_f32_output(const elmopp_lstm_f32_weights_t *weights, const elmopp_lstm_f32_state_t *state,
                             float output[ELMOPP_LSTM_INPUTS]);
+
+/// The same network, by where its weights are; they must outlive it.
+elmopp_lstm_f32_net_t elmopp_lstm_f32_net(const elmopp_lstm_f32_weights_t *weights);
+
+/// A step of such a network, the same to the bit, that leaves its gates behind: [level], each of ELMOPP_LSTM_GATES.
+void elmopp_lstm_f32_trace(const elmopp_lstm_f32_net_t *net, elmopp_lstm_f32_state_t *state,
+                           const float input[ELMOPP_LSTM_INPUTS], float *const gate[ELMOPP_LSTM_LEVELS_MAX]);
+
+/// A step, and the head, of such a network.
+void elmopp_lstm_f32_net_step(const elmopp_lstm_f32_net_t *net, elmopp_lstm_f32_state_t *state,
+                              const float input[ELMOPP_LSTM_INPUTS]);
+void elmopp_lstm_f32_net_output(const elmopp_lstm_f32_net_t *net, const elmopp_lstm_f32_state_t *state,
+                                float output[ELMOPP_LSTM_INPUTS]);
 
 #endif

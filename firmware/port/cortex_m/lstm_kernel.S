@@ -120,9 +120,12 @@ sixteen_sums:
     add r1, r1, #64
     bx lr
 
-/* s0 to s15 become their tanh. Uses r6 to r11, s16 to s30. */
+/* s0 to s15 become their tanh. Uses r6 to r11, s16 to s30. For trainer_kernel.S, too; no function that C can call. */
+    .global elmopp_lstm_kernel_sixteen_tanhs
+    .hidden elmopp_lstm_kernel_sixteen_tanhs
+    .type elmopp_lstm_kernel_sixteen_tanhs, %function
     .thumb_func
-sixteen_tanhs:
+elmopp_lstm_kernel_sixteen_tanhs:
     ldr r10, =TANH_ROOM
     ldr r11, =tanh_coefficients
     vldmia r11!, {s26-s30}
@@ -165,7 +168,7 @@ elmopp_lstm_kernel_open:
     subs r12, r12, #1
     bne.w 2b
     bl sixteen_sums
-    bl sixteen_tanhs
+    bl elmopp_lstm_kernel_sixteen_tanhs
     vstmia r4, {s0-s15}
     vpop {s16-s31}
     pop {r4-r11, pc}
@@ -210,7 +213,7 @@ elmopp_lstm_kernel_release:
     vpush {s16-s31}
     vldmia r1, {s0-s15}
     vstmia r2, {s0-s15}
-    bl sixteen_tanhs
+    bl elmopp_lstm_kernel_sixteen_tanhs
     add r0, r0, #128 /* o */
     vldmia r0, {s16-s31}
     vmul.f32 s0, s0, s16
