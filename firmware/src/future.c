@@ -6,7 +6,11 @@
 #include "elmopp/assert.h"
 #include "elmopp/elementary.h"
 
+#include <string.h>
+
 #define DS_PER_S 10.0F
+#define GAP_WINDOW_S 5U  /* a gap is looked for so far ahead: the critical one, in whole seconds */
+#define SNEAK_VEH 1.0F   /* of a lane, who waits inside the junction for the end of the green */
 #define NOBODY_VEH 0.01F /* for the rule: less is rounding, and must not call for a change */
 
 /* --- the junction, once --- */
@@ -36,10 +40,24 @@ static void list_served(elmopp_future_t *self, uint32_t stage) {
     self->served_count[stage] = (uint8_t)count;
 }
 
+static void list_foes(elmopp_future_t *self, uint32_t movement) {
+    uint32_t count = 0U;
+    for (uint32_t f = 0U; f < self->junction->movement_count; f++) {
+        if (elmopp_mask_has(self->junction->gives_way[movement], f)) {
+            self->foe[movement][count] = (uint8_t)f;
+            count++;
+        }
+    }
+    self->foe_count[movement] = (uint8_t)count;
+}
+
 void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *options, const elmopp_sight_t *sight,
                         const elmopp_coming_t *coming) {
     ELMOPP_ASSERT(elmopp_future_is_sound(options));
     *self = (elmopp_future_t){.options = *options, .junction = sight->junction, .sight = sight, .coming = coming};
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        list_foes(self, j);
+    }
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
         list_served(self, s);
         for (uint32_t to = 0U; to < self->junction->stage_count; to++) {
@@ -59,7 +77,7 @@ static float most_coming(const elmopp_future_t *self, uint32_t step) {
     for (uint32_t s = 0U; s < stages; s++) {
         const uint8_t *served = self->served[s];
         const uint32_t count = self->served_count[s];
-        const float *flow = self->sight->flow_veh_per_s[s];
+        const float *flow = self->sight->usual_veh_per_s[s];
         float sum = 0.0F;
         for (uint32_t i = 0U; i < count; i++) {
             sum += flow[served[i]] * (now_veh[served[i]] - before_veh[served[i]]);
@@ -74,8 +92,10 @@ void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t e
     self->present_s = elapsed_s;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         const float flow = self->sight->flow_veh_per_s[shown][j];
+        const float usual = self->sight->usual_veh_per_s[shown][j];
         const bool blocked = elmopp_sight_is_blocked(self->sight, j);
         self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
+        self->present_usual_veh_per_s[j] = blocked ? (self->options.blocked_share * usual) : usual;
     }
     self->come[0] = 0.0F;
     for (uint32_t k = 1U; k <= self->coming->options.horizon_s; k++) {
@@ -129,7 +149,7 @@ static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step) {
     float greatest = 0.0F;
     elmopp_stage_t best = self->shown;
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        const float *flow = (s == self->shown) ? self->flow_veh_per_s : self->sight->flow_veh_per_s[s];
+        const float *flow = (s == self->shown) ? self->usual_veh_per_s : self->sight->usual_veh_per_s[s];
         const float sum = pressure_of(self, s, flow, queue_veh);
         if (sum > greatest) {
             best = (elmopp_stage_t)s;
@@ -155,7 +175,7 @@ static float own_pressure(const elmopp_future_t *self, uint32_t step) {
     const uint32_t count = self->served_count[self->shown];
     const float *arrived_veh = self->coming->arrived_veh[step];
     const float *left_veh = self->left_veh;
-    const float *flow_veh_per_s = self->flow_veh_per_s;
+    const float *flow_veh_per_s = self->usual_veh_per_s;
     const bool learnt = is_flow_learnt(self);
     float sum = 0.0F;
     for (uint32_t i = 0U; i < count; i++) {
@@ -207,6 +227,7 @@ static void show_target(elmopp_future_t *self) {
         self->startup_s[j] = stays ? 0.0F : ((float)self->junction->movement[j].startup_ds / DS_PER_S);
     }
     self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
+    self->usual_veh_per_s = self->sight->usual_veh_per_s[target];
     self->shown = target;
     self->looked = false;
     self->target = ELMOPP_STAGE_NONE;
@@ -224,6 +245,55 @@ static float open_flow(const elmopp_future_t *self, uint32_t movement, float que
     return flow;
 }
 
+/* Vehicles a second of a movement that reach the line from second `step` on: who is seen to drive, or the mean. */
+static float coming(const elmopp_future_t *self, uint32_t step, uint32_t movement) {
+    const uint32_t until = step + GAP_WINDOW_S;
+    const bool seen = until <= self->sight->options.travel_s[movement];
+    const float *now_veh = self->coming->arrived_veh[step];
+    return (seen && (until <= self->coming->options.horizon_s))
+               ? ((self->coming->arrived_veh[until][movement] - now_veh[movement]) / (float)GAP_WINDOW_S)
+               : self->sight->mean_veh_per_s[movement];
+}
+
+/* What is left of a flow of a movement that gives way: nothing while a queue of those who go first stands. */
+static float flow_through_gaps(const elmopp_future_t *self, uint32_t step, uint32_t movement, float flow) {
+    const uint32_t serves = self->sight->serves[self->shown];
+    const uint32_t yields = self->sight->yields[self->shown];
+    float opposing = 0.0F;
+    float queue_veh = 0.0F;
+    for (uint32_t i = 0U; i < self->foe_count[movement]; i++) {
+        const uint32_t f = self->foe[movement][i];
+        if (elmopp_mask_has(serves, f)) {
+            const float left_veh = self->coming->arrived_veh[step][f] - self->left_before_veh[f];
+            opposing += elmopp_sight_first_share(self->sight, self->shown, f) * coming(self, step, f);
+            queue_veh += elmopp_mask_has(yields, f) ? 0.0F : elmopp_greater(left_veh, 0.0F);
+        }
+    }
+    return (queue_veh < 1.0F) ? ((1.0F - queue_veh) * elmopp_sight_through(self->sight, movement, flow, opposing))
+                              : 0.0F;
+}
+
+/* Who waits for a gap inside the junction clears it when the green is over. */
+static float clearing(const elmopp_future_t *self, uint32_t movement) {
+    const bool ends = (self->target != ELMOPP_STAGE_NONE) && (self->remaining_s == self->changing_s) &&
+                      (!elmopp_mask_has(self->sight->serves[self->target], movement));
+    return ends ? (SNEAK_VEH * (float)self->junction->movement[movement].lanes) : 0.0F;
+}
+
+/* `serving_s` of a second is left for it. */
+static float leaving(const elmopp_future_t *self, uint32_t step, uint32_t movement, float serving_s,
+                     float amber_share) {
+    const uint32_t there = step + ((self->sight->options.travel_s[movement] > 0U) ? 1U : 0U);
+    const float queue_veh = standing(self, there, movement);
+    float flow = open_flow(self, movement, queue_veh, amber_share);
+    float more_veh = 0.0F;
+    if (elmopp_mask_has(self->sight->yields[self->shown], movement)) {
+        flow = flow_through_gaps(self, step, movement, flow);
+        more_veh = clearing(self, movement);
+    }
+    return elmopp_lesser((flow * serving_s) + more_veh, queue_veh);
+}
+
 /* One second of departures. Who is seen to reach the line in this second may pass in it; without a reach he is counted
    first, and goes in the next one at the earliest. */
 static void let_go(elmopp_future_t *self, uint32_t step) {
@@ -232,16 +302,16 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
     const uint8_t *served = self->served[self->shown];
     const uint32_t count = self->served_count[self->shown];
+    if (self->sight->yields[self->shown] != 0U) {
+        (void)memcpy(self->left_before_veh, self->left_veh, sizeof self->left_veh);
+    }
     for (uint32_t i = 0U; i < count; i++) {
         const uint32_t j = served[i];
         const float lost_s = self->startup_s[j];
         if (lost_s >= 1.0F) {
             self->startup_s[j] = lost_s - 1.0F;
         } else {
-            const uint32_t there = step + ((self->sight->options.travel_s[j] > 0U) ? 1U : 0U);
-            const float queue_veh = standing(self, there, j);
-            const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
-            const float leaving_veh = elmopp_lesser(flow, queue_veh);
+            const float leaving_veh = leaving(self, step, j, 1.0F - lost_s, amber_share);
             self->startup_s[j] = 0.0F;
             self->left_veh[j] += leaving_veh;
             self->left_sum_veh += leaving_veh;
@@ -278,6 +348,7 @@ static float cost_of_rest(const elmopp_future_t *self, uint32_t horizon_s) {
 
 static void start(elmopp_future_t *self) {
     self->flow_veh_per_s = self->present_flow_veh_per_s;
+    self->usual_veh_per_s = self->present_usual_veh_per_s;
     self->left_sum_veh = 0.0F;
     self->looked = false;
     self->elapsed_s = self->present_s;

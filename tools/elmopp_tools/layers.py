@@ -20,7 +20,7 @@ EXIT_REFUSED = 2
 ROOT = Path(__file__).resolve().parents[2]
 
 LEVEL_0 = frozenset(
-    {"assert", "bounds", "chooser", "elementary", "fault", "image", "junction", "lamps", "lstm_kernel", "mode"}
+    {"assert", "bounds", "chooser", "elementary", "fault", "gaps", "image", "junction", "lamps", "lstm_kernel", "mode"}
 )
 
 # The arithmetic behind the forecasts that learn, on level 1.
@@ -39,6 +39,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "lamps": frozenset({"bounds", "junction"}),
     "chooser": frozenset({"bounds", "junction"}),
     "lstm_kernel": frozenset({"elementary"}),
+    "gaps": frozenset({"elementary"}),
     # level 1: not each other
     "account": LEVEL_0,
     "age": LEVEL_0,
