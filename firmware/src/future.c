@@ -10,7 +10,6 @@
 
 #define DS_PER_S 10.0F
 #define GAP_WINDOW_S 5U  /* a gap is looked for so far ahead: the critical one, in whole seconds */
-#define SNEAK_VEH 1.0F   /* of a lane, who waits inside the junction for the end of the green */
 #define NOBODY_VEH 0.01F /* for the rule: less is rounding, and must not call for a change */
 
 /* --- the junction, once --- */
@@ -77,7 +76,7 @@ static float most_coming(const elmopp_future_t *self, uint32_t step) {
     for (uint32_t s = 0U; s < stages; s++) {
         const uint8_t *served = self->served[s];
         const uint32_t count = self->served_count[s];
-        const float *flow = self->sight->usual_veh_per_s[s];
+        const float *flow = self->sight->flow_veh_per_s[s];
         float sum = 0.0F;
         for (uint32_t i = 0U; i < count; i++) {
             sum += flow[served[i]] * (now_veh[served[i]] - before_veh[served[i]]);
@@ -92,10 +91,8 @@ void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t e
     self->present_s = elapsed_s;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         const float flow = self->sight->flow_veh_per_s[shown][j];
-        const float usual = self->sight->usual_veh_per_s[shown][j];
         const bool blocked = elmopp_sight_is_blocked(self->sight, j);
         self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
-        self->present_usual_veh_per_s[j] = blocked ? (self->options.blocked_share * usual) : usual;
     }
     self->come[0] = 0.0F;
     for (uint32_t k = 1U; k <= self->coming->options.horizon_s; k++) {
@@ -149,7 +146,7 @@ static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step) {
     float greatest = 0.0F;
     elmopp_stage_t best = self->shown;
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        const float *flow = (s == self->shown) ? self->usual_veh_per_s : self->sight->usual_veh_per_s[s];
+        const float *flow = (s == self->shown) ? self->flow_veh_per_s : self->sight->flow_veh_per_s[s];
         const float sum = pressure_of(self, s, flow, queue_veh);
         if (sum > greatest) {
             best = (elmopp_stage_t)s;
@@ -175,7 +172,7 @@ static float own_pressure(const elmopp_future_t *self, uint32_t step) {
     const uint32_t count = self->served_count[self->shown];
     const float *arrived_veh = self->coming->arrived_veh[step];
     const float *left_veh = self->left_veh;
-    const float *flow_veh_per_s = self->usual_veh_per_s;
+    const float *flow_veh_per_s = self->flow_veh_per_s;
     const bool learnt = is_flow_learnt(self);
     float sum = 0.0F;
     for (uint32_t i = 0U; i < count; i++) {
@@ -227,7 +224,6 @@ static void show_target(elmopp_future_t *self) {
         self->startup_s[j] = stays ? 0.0F : ((float)self->junction->movement[j].startup_ds / DS_PER_S);
     }
     self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
-    self->usual_veh_per_s = self->sight->usual_veh_per_s[target];
     self->shown = target;
     self->looked = false;
     self->target = ELMOPP_STAGE_NONE;
@@ -245,17 +241,17 @@ static float open_flow(const elmopp_future_t *self, uint32_t movement, float que
     return flow;
 }
 
-/* Vehicles a second of a movement that reach the line from second `step` on: who is seen to drive, or the mean. */
+/* Vehicles a second of a movement that reach the line from second `step` on. */
 static float coming(const elmopp_future_t *self, uint32_t step, uint32_t movement) {
-    const uint32_t until = step + GAP_WINDOW_S;
-    const bool seen = until <= self->sight->options.travel_s[movement];
-    const float *now_veh = self->coming->arrived_veh[step];
-    return (seen && (until <= self->coming->options.horizon_s))
-               ? ((self->coming->arrived_veh[until][movement] - now_veh[movement]) / (float)GAP_WINDOW_S)
-               : self->sight->mean_veh_per_s[movement];
+    const uint32_t ends = step + GAP_WINDOW_S;
+    const uint32_t horizon_s = self->coming->options.horizon_s;
+    const uint32_t until = (ends < horizon_s) ? ends : horizon_s;
+    const float span_s = (float)(until - step);
+    return (self->coming->arrived_veh[until][movement] - self->coming->arrived_veh[step][movement]) / span_s;
 }
 
-/* What is left of a flow of a movement that gives way: nothing while a queue of those who go first stands. */
+/* What is left of a flow of a movement that gives way: nothing while a queue of those who go first stands. A queue that
+   gives way itself goes when it can: of those only who need not give way count. */
 static float flow_through_gaps(const elmopp_future_t *self, uint32_t step, uint32_t movement, float flow) {
     const uint32_t serves = self->sight->serves[self->shown];
     const uint32_t yields = self->sight->yields[self->shown];
@@ -269,29 +265,8 @@ static float flow_through_gaps(const elmopp_future_t *self, uint32_t step, uint3
             queue_veh += elmopp_mask_has(yields, f) ? 0.0F : elmopp_greater(left_veh, 0.0F);
         }
     }
-    return (queue_veh < 1.0F) ? ((1.0F - queue_veh) * elmopp_sight_through(self->sight, movement, flow, opposing))
-                              : 0.0F;
-}
-
-/* Who waits for a gap inside the junction clears it when the green is over. */
-static float clearing(const elmopp_future_t *self, uint32_t movement) {
-    const bool ends = (self->target != ELMOPP_STAGE_NONE) && (self->remaining_s == self->changing_s) &&
-                      (!elmopp_mask_has(self->sight->serves[self->target], movement));
-    return ends ? (SNEAK_VEH * (float)self->junction->movement[movement].lanes) : 0.0F;
-}
-
-/* `serving_s` of a second is left for it. */
-static float leaving(const elmopp_future_t *self, uint32_t step, uint32_t movement, float serving_s,
-                     float amber_share) {
-    const uint32_t there = step + ((self->sight->options.travel_s[movement] > 0U) ? 1U : 0U);
-    const float queue_veh = standing(self, there, movement);
-    float flow = open_flow(self, movement, queue_veh, amber_share);
-    float more_veh = 0.0F;
-    if (elmopp_mask_has(self->sight->yields[self->shown], movement)) {
-        flow = flow_through_gaps(self, step, movement, flow);
-        more_veh = clearing(self, movement);
-    }
-    return elmopp_lesser((flow * serving_s) + more_veh, queue_veh);
+    const float open = elmopp_greater(1.0F - queue_veh, 0.0F);
+    return (open > 0.0F) ? (open * elmopp_sight_through(self->sight, movement, flow, opposing)) : 0.0F;
 }
 
 /* One second of departures. Who is seen to reach the line in this second may pass in it; without a reach he is counted
@@ -302,7 +277,8 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
     const uint8_t *served = self->served[self->shown];
     const uint32_t count = self->served_count[self->shown];
-    if (self->sight->yields[self->shown] != 0U) {
+    const uint32_t yields = self->sight->yields[self->shown];
+    if (yields != 0U) {
         (void)memcpy(self->left_before_veh, self->left_veh, sizeof self->left_veh);
     }
     for (uint32_t i = 0U; i < count; i++) {
@@ -311,7 +287,11 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
         if (lost_s >= 1.0F) {
             self->startup_s[j] = lost_s - 1.0F;
         } else {
-            const float leaving_veh = leaving(self, step, j, 1.0F - lost_s, amber_share);
+            const uint32_t there = step + ((self->sight->options.travel_s[j] > 0U) ? 1U : 0U);
+            const float queue_veh = standing(self, there, j);
+            const float open = open_flow(self, j, queue_veh, amber_share);
+            const float flow = elmopp_mask_has(yields, j) ? flow_through_gaps(self, step, j, open) : open;
+            const float leaving_veh = elmopp_lesser(flow * (1.0F - lost_s), queue_veh);
             self->startup_s[j] = 0.0F;
             self->left_veh[j] += leaving_veh;
             self->left_sum_veh += leaving_veh;
@@ -348,7 +328,6 @@ static float cost_of_rest(const elmopp_future_t *self, uint32_t horizon_s) {
 
 static void start(elmopp_future_t *self) {
     self->flow_veh_per_s = self->present_flow_veh_per_s;
-    self->usual_veh_per_s = self->present_usual_veh_per_s;
     self->left_sum_veh = 0.0F;
     self->looked = false;
     self->elapsed_s = self->present_s;

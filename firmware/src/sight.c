@@ -100,17 +100,17 @@ static float opposing_mean(const elmopp_sight_t *self, uint32_t stage, uint32_t 
     return sum;
 }
 
-static void weigh_flows(elmopp_sight_t *self, uint32_t stage) {
-    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const float flow = self->flow_veh_per_s[stage][j];
-        const bool yields = elmopp_mask_has(self->yields[stage], j);
-        self->usual_veh_per_s[stage][j] =
-            yields ? elmopp_sight_through(self, j, flow, opposing_mean(self, stage, j)) : flow;
-    }
+float elmopp_sight_usual(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
+    const float flow = self->flow_veh_per_s[stage][movement];
+    const bool yields = elmopp_mask_has(self->yields[stage], movement);
+    return yields ? elmopp_sight_through(self, movement, flow, opposing_mean(self, stage, movement)) : flow;
 }
 
 /* The movements that gave way in the last second to somebody who was there when it began. */
 static uint32_t held_up(const elmopp_sight_t *self, uint32_t stage) {
+    if (self->yields[stage] == 0U) {
+        return 0U;
+    }
     uint32_t there = 0U;
     uint32_t held = 0U;
     for (uint32_t f = 0U; f < self->junction->movement_count; f++) {
@@ -139,7 +139,6 @@ void elmopp_sight_init(elmopp_sight_t *self, const elmopp_junction_t *junction, 
             self->flow_veh_per_s[s][j] = elmopp_mask_has(self->serves[s], j) ? self->site_veh_per_s[j] : 0.0F;
         }
         find_who_yields(self, s);
-        weigh_flows(self, s);
     }
 }
 
@@ -263,16 +262,13 @@ void elmopp_sight_observe(elmopp_sight_t *self, const elmopp_view_t *view) {
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         observe_movement(self, view, j, elmopp_mask_has(held, j));
     }
-    for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        weigh_flows(self, s);
-    }
     self->stage = view->stage;
     self->going = view->going;
 }
 
 bool elmopp_sight_is_served(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
     return elmopp_mask_has(self->serves[stage], movement) &&
-           (self->usual_veh_per_s[stage][movement] >= (ELMOPP_SIGHT_SERVED_SHARE * self->site_veh_per_s[movement]));
+           (elmopp_sight_usual(self, stage, movement) >= (ELMOPP_SIGHT_SERVED_SHARE * self->site_veh_per_s[movement]));
 }
 
 bool elmopp_sight_is_blocked(const elmopp_sight_t *self, uint32_t movement) {

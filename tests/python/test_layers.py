@@ -24,6 +24,7 @@ LEVELS = {
     "lamps": 0,
     "mode": 0,
     "lstm_kernel": 0,
+    "gaps": 0,
     "account": 1,
     "age": 1,
     "ann_f32": 1,

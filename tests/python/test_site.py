@@ -25,7 +25,7 @@ from elmopp_tools.site_toml import SCHEMA_PATH
 ROOT = Path(__file__).resolve().parents[2]
 INCLUDE = ROOT / "firmware" / "include"
 SITES = sorted((ROOT / "sites").glob("*.toml"))
-STRUCT_SIZE = 2212
+STRUCT_SIZE = 2308
 VERSION = 3
 WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Werror"]
 

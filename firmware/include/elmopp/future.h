@@ -10,9 +10,8 @@
 /// start-up of what is newly green: the price of a change is worked out, never set.
 ///
 /// A movement that gives way in the stage shown (site key gives_way) waits while a queue of those who go first stands,
-/// and then goes as the gaps let it (gaps.h): between those of them who reach the line in the next GAP_WINDOW_S seconds
-/// as far as they are seen to drive, and in their mean arrivals after that. One a lane who waits inside the junction
-/// clears it at the end. The rule reckons with what they let through in the mean.
+/// and goes after it as the gaps between those let it who reach the line in the next five seconds (gaps.h). Nobody is
+/// credited with clearing the junction at the end of the green: a model that is paid for each end ends its greens.
 ///
 /// A future begins with an action: keep the stage shown for some seconds, or change to another one. Then a reactive
 /// rule decides, that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of queue
@@ -58,13 +57,11 @@ typedef struct {
     uint8_t foe_count[ELMOPP_MOVEMENT_MAX];                ///< movements to which one gives way where they go ...
     uint8_t foe[ELMOPP_MOVEMENT_MAX][ELMOPP_MOVEMENT_MAX]; ///< ... and which
     float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];     ///< in the stage shown now, less where blocked
-    float present_usual_veh_per_s[ELMOPP_MOVEMENT_MAX];    ///< ... and less where it gives way
     elmopp_stage_t present;                                ///< the stage shown now ...
     float come[ELMOPP_HORIZON_MAX + 1U]; ///< what arrivals before a step add to half a pressure at most
     uint32_t present_s;                  ///< ... and for how long
     /* The one that is played. */
     const float *flow_veh_per_s;                ///< [movement] in the stage shown
-    const float *usual_veh_per_s;               ///< ... less where it gives way in the mean
     float left_veh[ELMOPP_MOVEMENT_MAX];        ///< departures until now
     float left_before_veh[ELMOPP_MOVEMENT_MAX]; ///< ... until this second, where somebody gives way
     float startup_s[ELMOPP_MOVEMENT_MAX];       ///< of the start-up, still to come

@@ -31,7 +31,8 @@ float elmopp_gaps_flow(float opposing_veh_per_s);
 
 /// Flow of lanes in which `share` of the vehicles give way and the others need not, but cannot get by: the harmonic
 /// mean of the two flows, as in the formula for shared lanes of the same sources. saturation_veh_per_s above 0; of
-/// through_veh_per_s, what gaps let go, no more than that counts; share 0 to 1. Never below 0.
+/// through_veh_per_s, what gaps let go, no more than that counts; share above 0, at most 1. Never
+/// below 0.
 float elmopp_gaps_shared(float saturation_veh_per_s, float through_veh_per_s, float share);
 
 #endif

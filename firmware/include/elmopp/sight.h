@@ -67,7 +67,6 @@ typedef struct {
     float site_veh_per_s[ELMOPP_MOVEMENT_MAX]; ///< the site's saturation flow, or the top of its discharge law
     float due_veh[ELMOPP_MOVEMENT_MAX][ELMOPP_SIGHT_TRAVEL_MAX_S]; ///< who reaches the queue in second [step] from now
     float flow_veh_per_s[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];   ///< as learnt; 0 where a stage shows red
-    float usual_veh_per_s[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];  ///< the same, less where it gives way in the mean
     float learnt_veh[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];       ///< departures of standing queues ...
     float learnt_s[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX];         ///< ... and the seconds in which they left
     uint32_t serves[ELMOPP_STAGE_MAX];                             ///< mask of the movements that go in a stage
@@ -95,6 +94,9 @@ void elmopp_sight_init(elmopp_sight_t *self, const elmopp_junction_t *junction, 
 
 /// Looks at one second.
 void elmopp_sight_observe(elmopp_sight_t *self, const elmopp_view_t *view);
+
+/// The flow of a stage for a movement, less where it gives way in the mean. 0 where it shows red.
+float elmopp_sight_usual(const elmopp_sight_t *self, uint32_t stage, uint32_t movement);
 
 /// The movements that go first where a movement gives way in a stage. Mask.
 uint32_t elmopp_sight_foes(const elmopp_sight_t *self, uint32_t stage, uint32_t movement);
