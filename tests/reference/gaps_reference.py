@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
-"""Flow through gaps in double precision, three ways that share nothing with the C: by the sum over gaps, by drawing gaps, and by straight
-lines between the sum's values, which is what a table can say.
+"""Flow through gaps in double precision, three ways that share nothing with the C: by the sum over gaps, by drawing
+gaps, and by straight lines between the sum's values, which is what a table can say.
 """
 
 from __future__ import annotations

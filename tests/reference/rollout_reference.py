@@ -9,8 +9,8 @@ it; nobody is hidden without a reach; a second teaches one vehicle a lane at mos
 asked in every modelled second after the hold; rows correct the mean as far as they have been better than it; without a
 reach nobody goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; and of
 the other stages the heaviest are tried, each rule held against the same rule after keeping, the mean gain less a part
-of what the worst one is behind it. A lane that gives way waits for the queue of those it gives way to, and then for gaps
-between them (gaps_reference); seconds in which one of them was there teach nothing.
+of what the worst one is behind it. A lane that gives way waits for the queue of those it gives way to, and then for
+gaps between them (gaps_reference); seconds in which one of them was there teach nothing.
 """
 
 from __future__ import annotations
@@ -112,7 +112,9 @@ class Rollout:
     def observe(self, present: list[float], arrived: list[float], stage: int, elapsed: float, going: int) -> None:
         self.lam_weight = min(self.lam_weight + 1, 120)
         before = list(self.n)
-        self.held = [stage != NEVER and any(before[f] > 0.0 for f in self.site.foes(stage, j)) for j in range(len(before))]
+        self.held = [
+            stage != NEVER and any(before[f] > 0.0 for f in self.site.foes(stage, j)) for j in range(len(before))
+        ]
         for lane in range(len(present)):
             self._observe(lane, present[lane], arrived[lane], stage, elapsed, going)
         self.last_stage, self.last_going = stage, going

@@ -155,7 +155,9 @@ def _check_right_of_way(junction: Junction, index: int, movement: Movement) -> N
             raise SiteError(f"{path} names itself", movement.name, "only other movements")
         if not junction.go_together(movement, junction.movements[other]):
             name = junction.movements[other].name
-            raise SiteError(f"{path} names {name}, which never goes with it", name, "movements that some stage lets go too")
+            raise SiteError(
+                f"{path} names {name}, which never goes with it", name, "movements that some stage lets go too"
+            )
 
 
 def _check_use(junction: Junction) -> None:
