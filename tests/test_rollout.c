@@ -608,8 +608,8 @@ static float cost_of_staying(float first, float second, float third) {
 }
 
 /* Movement 1 needs ten seconds for its 5 vehicles. In the last one half a vehicle of them is left, and half of a second
-   is open: 0.2 of the three on movement 0 go at the follow-up time's 0.4. They cost 29.8 until then, and 2.8^2 / 1 after
-   it; the five 22.5; the four on red 40 and 16. */
+   is open: 0.2 of the three on movement 0 go at the follow-up time's 0.4. They cost 29.8 until then, and 2.8^2 / 1
+   after it; the five 22.5; the four on red 40 and 16. */
 static void test_who_gives_way_waits_for_the_queue_of_those_who_go_first(void) {
     start_giving_way(true);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 29.8F + 7.84F + 22.5F + 40.0F + 16.0F, cost_of_staying(3.0F, 5.0F, 4.0F));
