@@ -290,7 +290,8 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
             const uint32_t there = step + ((self->sight->options.travel_s[j] > 0U) ? 1U : 0U);
             const float queue_veh = standing(self, there, j);
             const float open = open_flow(self, j, queue_veh, amber_share);
-            const float flow = elmopp_mask_has(yields, j) ? flow_through_gaps(self, step, j, open) : open;
+            const bool waits = (yields != 0U) && elmopp_mask_has(yields, j);
+            const float flow = waits ? flow_through_gaps(self, step, j, open) : open;
             const float leaving_veh = elmopp_lesser(flow * (1.0F - lost_s), queue_veh);
             self->startup_s[j] = 0.0F;
             self->left_veh[j] += leaving_veh;
