@@ -627,6 +627,23 @@ static void test_where_nobody_comes_they_follow_one_another_through_the_gap(void
     TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 9.8F + 40.0F + 16.0F, cost_of_staying(3.0F, 0.0F, 4.0F));
 }
 
+static float cost_of_coming(uint8_t percent) {
+    start_giving_way(true);
+    junction.movement[0].gives_way_percent = percent;
+    start();
+    set_queues(3.0F, 5.0F, 0.0F);
+    (void)ask_in(1U, 100U);
+    return -seen.score[0];
+}
+
+/* Six seconds of intergreen and two of start-up leave two of green: the five become four and cost 40 + 8.5 + 16. The
+   three stand behind the first one who gives way, 30 + 9, or, where one in four does, all in front of him,
+   24 + 4.5 + 4. */
+static void test_of_a_shared_lane_those_go_who_stand_before_the_first_who_gives_way(void) {
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 64.5F + 39.0F, cost_of_coming(100U));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 64.5F + 32.5F, cost_of_coming(25U));
+}
+
 /* Whole decisions, learning and all: a site that says nothing has the answers and the scores of one whose word is not
    heeded, to the bit. */
 static void test_a_right_of_way_that_is_not_heeded_changes_no_bit(void) {
@@ -703,6 +720,7 @@ int main(void) {
     RUN_TEST(test_who_gives_way_waits_for_the_queue_of_those_who_go_first);
     RUN_TEST(test_a_model_that_does_not_heed_it_lets_both_go);
     RUN_TEST(test_where_nobody_comes_they_follow_one_another_through_the_gap);
+    RUN_TEST(test_of_a_shared_lane_those_go_who_stand_before_the_first_who_gives_way);
     RUN_TEST(test_a_right_of_way_that_is_not_heeded_changes_no_bit);
     return UNITY_END();
 }

@@ -216,11 +216,22 @@ static void begin_change(elmopp_future_t *self, elmopp_stage_t wanted) {
     }
 }
 
+/* Of lanes that others share, who goes until the first one who gives way is at the head: one in 1 / share does. */
+static float unhindered(const elmopp_future_t *self, uint32_t movement) {
+    const float share = elmopp_sight_yielding_share(self->sight, movement);
+    return (float)self->junction->movement[movement].lanes * ((1.0F - share) / share);
+}
+
 static void show_target(elmopp_future_t *self) {
     const elmopp_stage_t target = self->target;
+    const uint32_t yields = self->sight->yields[target];
     for (uint32_t i = 0U; i < self->served_count[target]; i++) {
         const uint32_t j = self->served[target][i];
         const bool stays = elmopp_mask_has(self->sight->serves[self->shown], j);
+        if (yields != 0U) {
+            const bool begins = elmopp_mask_has(yields, j) && (!stays);
+            self->unhindered_veh[j] = begins ? unhindered(self, j) : 0.0F;
+        }
         self->startup_s[j] = stays ? 0.0F : ((float)self->junction->movement[j].startup_ds / DS_PER_S);
     }
     self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
@@ -246,13 +257,16 @@ static float coming(const elmopp_future_t *self, uint32_t step, uint32_t movemen
     const uint32_t ends = step + GAP_WINDOW_S;
     const uint32_t horizon_s = self->coming->options.horizon_s;
     const uint32_t until = (ends < horizon_s) ? ends : horizon_s;
-    const float span_s = (float)(until - step);
-    return (self->coming->arrived_veh[until][movement] - self->coming->arrived_veh[step][movement]) / span_s;
+    const uint32_t span_s = until - step;
+    return (self->coming->arrived_veh[until][movement] - self->coming->arrived_veh[step][movement]) / (float)span_s;
 }
 
 /* What is left of a flow of a movement that gives way: nothing while a queue of those who go first stands. A queue that
    gives way itself goes when it can: of those only who need not give way count. */
 static float flow_through_gaps(const elmopp_future_t *self, uint32_t step, uint32_t movement, float flow) {
+    if (self->unhindered_veh[movement] > 0.0F) {
+        return flow;
+    }
     const uint32_t serves = self->sight->serves[self->shown];
     const uint32_t yields = self->sight->yields[self->shown];
     float opposing = 0.0F;
@@ -296,6 +310,9 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
             self->startup_s[j] = 0.0F;
             self->left_veh[j] += leaving_veh;
             self->left_sum_veh += leaving_veh;
+            if (waits) {
+                self->unhindered_veh[j] -= leaving_veh;
+            }
         }
     }
 }
@@ -339,6 +356,7 @@ static void start(elmopp_future_t *self) {
     for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
         self->left_veh[j] = 0.0F;
         self->startup_s[j] = 0.0F;
+        self->unhindered_veh[j] = 0.0F;
     }
 }
 

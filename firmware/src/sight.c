@@ -66,19 +66,19 @@ uint32_t elmopp_sight_foes(const elmopp_sight_t *self, uint32_t stage, uint32_t 
     return self->junction->gives_way[movement] & self->serves[stage];
 }
 
-static float yielding_share(const elmopp_sight_t *self, uint32_t movement) {
+float elmopp_sight_yielding_share(const elmopp_sight_t *self, uint32_t movement) {
     return (float)self->junction->movement[movement].gives_way_percent / PERCENT;
 }
 
 float elmopp_sight_first_share(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
-    return elmopp_mask_has(self->yields[stage], movement) ? (1.0F - yielding_share(self, movement)) : 1.0F;
+    return elmopp_mask_has(self->yields[stage], movement) ? (1.0F - elmopp_sight_yielding_share(self, movement)) : 1.0F;
 }
 
 float elmopp_sight_through(const elmopp_sight_t *self, uint32_t movement, float flow_veh_per_s,
                            float opposing_veh_per_s) {
     const float lanes = (float)self->junction->movement[movement].lanes;
     const float through = lanes * elmopp_gaps_flow(opposing_veh_per_s);
-    return elmopp_gaps_shared(flow_veh_per_s, through, yielding_share(self, movement));
+    return elmopp_gaps_shared(flow_veh_per_s, through, elmopp_sight_yielding_share(self, movement));
 }
 
 static void find_who_yields(elmopp_sight_t *self, uint32_t stage) {

@@ -15,6 +15,7 @@
 #define MINUTES_PER_DAY 1440U
 #define ALL_WEEKDAYS 0x7FU
 #define SUNDAY 6U
+#define PERCENT_MAX 100U
 
 static const elmopp_site_verdict_t ok = {ELMOPP_SITE_OK, 0U, 0U};
 
@@ -153,9 +154,10 @@ elmopp_site_verdict_t elmopp_site_check_gives_way(const elmopp_junction_t *junct
     const uint32_t foes = junction->gives_way[movement];
     const uint32_t percent = junction->movement[movement].gives_way_percent;
     const bool exist = (foes >> junction->movement_count) == 0U;
-    const bool share = (foes == 0U) ? (percent == 0U) : ((percent >= 1U) && (percent <= 100U));
+    const bool nobody = (foes == 0U) && (percent == 0U);
+    const bool somebody = (foes != 0U) && (percent >= 1U) && (percent <= PERCENT_MAX);
     const bool known = (foes == 0U) || (junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION);
-    if ((!exist) || (!share) || (!known)) {
+    if ((!exist) || (!(nobody || somebody)) || (!known)) {
         return fault(ELMOPP_SITE_GIVES_WAY, movement, movement);
     }
     const uint32_t wrong = wrong_foe(junction, movement);

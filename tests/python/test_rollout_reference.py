@@ -30,7 +30,6 @@ CASES = 200
 RELATIVE_BOUND = 1e-4
 
 
-load_reference("gaps_reference")  # which that one imports
 REFERENCE = load_reference("rollout_reference")
 
 

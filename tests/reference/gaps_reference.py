@@ -21,7 +21,8 @@ def by_sum(opposing: float) -> float:
     """A gap of at least t_c + n t_f lets an (n+1)-th go: the sum of how often such gaps come."""
     if opposing <= 0.0:
         return 1.0 / FOLLOW_UP
-    terms, n = [], 0
+    terms: list[float] = []
+    n = 0
     while n == 0 or terms[-1] > 1e-15 * terms[0]:
         terms.append(opposing * math.exp(-opposing * (CRITICAL + n * FOLLOW_UP)))
         n += 1

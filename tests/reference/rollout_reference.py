@@ -273,10 +273,16 @@ class Rollout:
             return min(c, self._flow(self.sat[target], lane, queue))
         return c * min(max(self.setting.yuse - (self.site.change[g][target] - left), 0.0), 1.0)
 
+    def _ahead(self, before: int, stage: int, lane: int) -> float:
+        """Who stands before the first one who gives way, in the mean of a lane where one in 1/share does."""
+        if self.site.serves(before, lane) or not self.site.foes(stage, lane):
+            return 0.0
+        return self.site.lanes[lane] * (1.0 / self.site.gives_way_share[lane] - 1.0)
+
     def _in_gaps(self, g: int, lane: int, c: float, k: int, queues: list[float]) -> float:
         """A lane's flow, less where it gives way: `queues` stood before the second, arrivals of five count."""
         foes = self.site.foes(g, lane)
-        if not foes:
+        if not foes or self.ahead[lane] > 0.0:
             return c
         ahead = self.a[k : k + 5]
         opposing = sum(self.first(g, f) * sum(second[f] for second in ahead) / len(ahead) for f in foes)
@@ -286,6 +292,7 @@ class Rollout:
     def roll(self, cur: int, elapsed: int, first: int, hold: int, ratio: float) -> float:
         site, lanes, horizon = self.site, range(len(self.n)), self.setting.horizon
         x, g, e, su = list(self.q), cur, elapsed, [0.0] * len(self.n)
+        self.ahead = [0.0] * len(self.n)  # of the first who gives way
         target, left, cost, flow = NEVER, 0, 0.0, self.sx
         nobody = [[0.0] * len(self.n)] * horizon
         passing, counted = (self.a, nobody) if self.setting.travel else (nobody, self.a)
@@ -300,14 +307,17 @@ class Rollout:
                 x[lane] += passing[k][lane]
             if target != NEVER and left <= 0:
                 su = [0.0 if site.serves(g, j) and site.serves(target, j) else site.startup[j] for j in lanes]
+                self.ahead = [self._ahead(g, target, j) for j in lanes]
                 g, target, e, flow = target, NEVER, 0, self.sat[target]
             for lane in lanes:
                 c = self._in_gaps(g, lane, self._open(g, target, left, flow, lane, x[lane]), k, queues)
                 if su[lane] >= 1.0:
                     su[lane] -= 1.0
                 else:
-                    x[lane] -= min(x[lane], c * (1.0 - su[lane]))
+                    gone = min(x[lane], c * (1.0 - su[lane]))
+                    x[lane] -= gone
                     su[lane] = 0.0
+                    self.ahead[lane] -= gone if site.foes(g, lane) else 0.0
                 x[lane] += counted[k][lane]
                 cost += x[lane]
             if target != NEVER:

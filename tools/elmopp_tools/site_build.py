@@ -46,7 +46,7 @@ def build_junction(document: Document) -> Junction:
     simulation_only = document.get("simulation_only", False)
     stages = _stages(document.get("stages"), conflict, group_names, some_will_do=simulation_only)
     movements = tuple(
-        replace(_movement(document, item, approaches, group_names), **_right_of_way(item, movement_names))
+        _with_right_of_way(_movement(document, item, approaches, group_names), item, movement_names)
         for item in document["movements"]
     )
     groups = tuple(_group(item) for item in document["groups"])
@@ -128,8 +128,8 @@ def _movement(document: Document, item: Document, approaches: Sequence[str], gro
     )
 
 
-def _right_of_way(item: Document, names: Sequence[str]) -> dict[str, int]:
-    """To whom a movement gives way, and which part of its vehicles does."""
+def _with_right_of_way(movement: Movement, item: Document, names: Sequence[str]) -> Movement:
+    """The movement with whom it gives way to, and which part of its vehicles does."""
     name = item["name"]
     foes = mask_of(names, item.get("gives_way", []), f"gives_way of movement {name}")
     share = item.get("gives_way_share")
@@ -137,7 +137,7 @@ def _right_of_way(item: Document, names: Sequence[str]) -> dict[str, int]:
         wrong = f"gives_way_share of movement {name}, which gives way to nobody"
         raise SiteError(wrong, share, "leave it out, or gives_way with the movements that go first")
     part = percent(f"gives_way_share of movement {name}", 1 if share is None else share)
-    return {"gives_way": foes, "gives_way_percent": part if foes else 0}
+    return replace(movement, gives_way=foes, gives_way_percent=part if foes else 0)
 
 
 def _limit(document: Document, approach: int) -> int:

@@ -10,8 +10,10 @@
 /// start-up of what is newly green: the price of a change is worked out, never set.
 ///
 /// A movement that gives way in the stage shown (site key gives_way) waits while a queue of those who go first stands,
-/// and goes after it as the gaps between those let it who reach the line in the next five seconds (gaps.h). Nobody is
-/// credited with clearing the junction at the end of the green: a model that is paid for each end ends its greens.
+/// and goes after it as the gaps between those let it who reach the line in the next five seconds (gaps.h). Of lanes
+/// that others share as many go before as stand in front of the first one who gives way in the mean; in the stage shown
+/// now nobody does, as who stands in front is not known. Nobody is credited with clearing the junction at the end of
+/// the green: a model that is paid for each end ends its greens.
 ///
 /// A future begins with an action: keep the stage shown for some seconds, or change to another one. Then a reactive
 /// rule decides, that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of queue
@@ -65,6 +67,7 @@ typedef struct {
     float left_veh[ELMOPP_MOVEMENT_MAX];        ///< departures until now
     float left_before_veh[ELMOPP_MOVEMENT_MAX]; ///< ... until this second, where somebody gives way
     float startup_s[ELMOPP_MOVEMENT_MAX];       ///< of the start-up, still to come
+    float unhindered_veh[ELMOPP_MOVEMENT_MAX];  ///< may go before the first who gives way
     float left_sum_veh;                         ///< all departures
     float greatest;                             ///< pressure of any stage when the rule last looked at all of them ...
     uint32_t greatest_step;                     ///< ... in this second

@@ -105,6 +105,9 @@ uint32_t elmopp_sight_foes(const elmopp_sight_t *self, uint32_t stage, uint32_t 
 float elmopp_sight_through(const elmopp_sight_t *self, uint32_t movement, float flow_veh_per_s,
                            float opposing_veh_per_s);
 
+/// Of the vehicles of a movement, the share that gives way where it gives way.
+float elmopp_sight_yielding_share(const elmopp_sight_t *self, uint32_t movement);
+
 /// Of those who come on a movement, the share that others wait for in a stage: all, or those that do not give way.
 float elmopp_sight_first_share(const elmopp_sight_t *self, uint32_t stage, uint32_t movement);
 
