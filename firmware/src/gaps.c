@@ -7,7 +7,7 @@
 
 #include <stdint.h>
 
-/* An exponential would cost a decision of the rollout a third more: the model asks in every second of every future. */
+/* A table instead of two exponentials: a model asks in every second of every future that it plays. */
 #define STEPS_PER_VEH_PER_S 32.0F
 #define FLOWS 49U
 
