@@ -174,6 +174,7 @@ elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setti
     options.caution = share_or(spec, "caution", options.caution);
     options.others_max = static_cast<std::uint8_t>(
         whole_or(spec, "others", options.others_max, 1, ELMOPP_STAGE_MAX, "whole number of stages"));
+    options.sight.gives_way = !has(spec, "no-gaps");
     options.rule_count = has(spec, "one-rule") ? std::uint8_t{1} : options.rule_count;
     return options;
 }

@@ -164,6 +164,9 @@ std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction
         return "approach " + first + " has more movements than its counts can carry";
     case ELMOPP_SITE_RESCUE:
         return "the rescue stage of movement " + first + " does not serve it";
+    case ELMOPP_SITE_GIVES_WAY:
+        return "movement " + first + " gives way to movement " + std::to_string(verdict.second) +
+               ", which never goes with it or is none, or by a share that is none";
     case ELMOPP_SITE_MOVEMENT:
         return "movement " + first + " is none: capacity, saturation flow, lanes, approach or groups";
     case ELMOPP_SITE_GROUP:

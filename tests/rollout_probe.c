@@ -7,14 +7,18 @@
 /// after second what a view holds. Writes the answer, the scores of all stages and the red clocks of all movements
 /// after the last one. The order is that of the functions below.
 ///
+/// rollout_probe gaps < INPUT: reads a count and so many opposing flows, writes what gaps in each let through.
+///
 /// Exit status 1: the input ends too early, or holds more than a junction may have.
 
+#include "elmopp/gaps.h"
 #include "elmopp/rollout.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static elmopp_junction_t junction;
 static elmopp_rollout_options_t options;
@@ -62,6 +66,8 @@ static void read_movement(uint32_t j) {
     for (uint32_t h = 0U; h < junction.group_count; h++) {
         junction.intergreen_ds[j][h] = (uint16_t)next_whole(UINT16_MAX);
     }
+    junction.gives_way[j] = next_whole(UINT16_MAX);
+    movement->gives_way_percent = (uint8_t)next_whole(100U);
 }
 
 static void read_junction(void) {
@@ -128,7 +134,7 @@ static void put(float value) {
     }
 }
 
-int main(void) {
+static void put_decision(void) {
     read_junction();
     read_options();
     const elmopp_chooser_t chooser = elmopp_rollout_init(&rollout, &options);
@@ -144,6 +150,21 @@ int main(void) {
     }
     for (uint32_t j = 0U; j < junction.movement_count; j++) {
         put((float)rollout.sight.red_s[j]);
+    }
+}
+
+static void put_gaps(void) {
+    const uint32_t count = next_whole(UINT16_MAX);
+    for (uint32_t i = 0U; i < count; i++) {
+        put(elmopp_gaps_flow(next()));
+    }
+}
+
+int main(int count, char **words) {
+    if ((count > 1) && (strcmp(words[1], "gaps") == 0)) {
+        put_gaps();
+    } else {
+        put_decision();
     }
     if (fflush(stdout) != 0) {
         give_up("nothing can be written");

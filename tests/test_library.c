@@ -20,7 +20,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#define SITE_VERSION 3U
+#define SITE_VERSION 4U
 #define SECONDS 900U
 #define TICKS 10U
 

@@ -587,6 +587,95 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
     }
 }
 
+/* --- who gives way --- */
+
+/* Movements 0 and 1 go in stage 0 and 0 gives way to 1; movement 2 goes in stage 1. Nobody comes. */
+static void start_giving_way(bool heeded) {
+    junction = test_cross(3U);
+    junction.stage_groups[0] = 0x3U;
+    junction.stage_groups[1] = 0x4U;
+    junction.stage_count = 2U;
+    junction.gives_way[0] = 0x2U;
+    junction.movement[0].gives_way_percent = 100U;
+    options.sight.gives_way = heeded;
+    look_ten_seconds_ahead();
+}
+
+static float cost_of_staying(float first, float second, float third) {
+    set_queues(first, second, third);
+    (void)ask_in(0U, 100U);
+    return -seen.score[0];
+}
+
+/* Movement 1 needs ten seconds for its 5 vehicles. In the last one half a vehicle of them is left, and half of a second
+   is open: 0.2 of the three on movement 0 go at the follow-up time's 0.4. They cost 29.8 until then, and 2.8^2 / 1
+   after it; the five 22.5; the four on red 40 and 16. */
+static void test_who_gives_way_waits_for_the_queue_of_those_who_go_first(void) {
+    start_giving_way(true);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 29.8F + 7.84F + 22.5F + 40.0F + 16.0F, cost_of_staying(3.0F, 5.0F, 4.0F));
+}
+
+/* Without it both go at once: 3 vehicles are gone after six seconds. */
+static void test_a_model_that_does_not_heed_it_lets_both_go(void) {
+    start_giving_way(false);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 7.5F + 22.5F + 40.0F + 16.0F, cost_of_staying(3.0F, 5.0F, 4.0F));
+}
+
+/* 0.4 a second instead of 0.5: 3 - 0.4 k until nobody is left in the eighth second. */
+static void test_where_nobody_comes_they_follow_one_another_through_the_gap(void) {
+    start_giving_way(true);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 9.8F + 40.0F + 16.0F, cost_of_staying(3.0F, 0.0F, 4.0F));
+}
+
+static float cost_of_coming(uint8_t percent) {
+    start_giving_way(true);
+    junction.movement[0].gives_way_percent = percent;
+    start();
+    set_queues(3.0F, 5.0F, 0.0F);
+    (void)ask_in(1U, 100U);
+    return -seen.score[0];
+}
+
+/* Six seconds of intergreen and two of start-up leave two of green: the five become four and cost 40 + 8.5 + 16. The
+   three stand behind the first one who gives way, 30 + 9, or, where one in four does, all in front of him,
+   24 + 4.5 + 4. */
+static void test_of_a_shared_lane_those_go_who_stand_before_the_first_who_gives_way(void) {
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 64.5F + 39.0F, cost_of_coming(100U));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, 64.5F + 32.5F, cost_of_coming(25U));
+}
+
+/* Whole decisions, learning and all: a site that says nothing has the answers and the scores of one whose word is not
+   heeded, to the bit. */
+static void test_a_right_of_way_that_is_not_heeded_changes_no_bit(void) {
+    static elmopp_rollout_t other;
+    static elmopp_junction_t silent;
+    test_view_t same;
+    uint64_t random = 7U;
+    options = elmopp_rollout_defaults(4U);
+    start_giving_way(false);
+    options = elmopp_rollout_defaults(4U);
+    options.sight.gives_way = false;
+    start();
+    silent = junction;
+    silent.gives_way[0] = 0U;
+    silent.movement[0].gives_way_percent = 0U;
+    const elmopp_rollout_options_t usual = elmopp_rollout_defaults(4U);
+    const elmopp_chooser_t quiet = elmopp_rollout_init(&other, &usual);
+    test_view_init(&same, &silent);
+    for (uint32_t t = 0U; t < 400U; t++) {
+        for (uint32_t j = 0U; j < 3U; j++) {
+            seen.arrivals_veh[j] = (float)(random_below(&random, 2U));
+            seen.queue_veh[j] = (float)(random_below(&random, 12U));
+            same.arrivals_veh[j] = seen.arrivals_veh[j];
+            same.queue_veh[j] = seen.queue_veh[j];
+        }
+        test_view_show(&seen, 0U, 10U * (t % 70U));
+        test_view_show(&same, 0U, 10U * (t % 70U));
+        TEST_ASSERT_EQUAL_UINT8(test_view_ask(&same, &quiet), test_view_ask(&seen, &chooser));
+        TEST_ASSERT_EQUAL_MEMORY(same.score, seen.score, sizeof seen.score);
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_defaults_are_those_that_were_measured);
@@ -628,5 +717,10 @@ int main(void) {
     RUN_TEST(test_whatever_is_counted_it_names_a_stage_and_finite_scores);
     RUN_TEST(test_the_same_counts_give_the_same_answers_and_bits);
     RUN_TEST(test_options_that_make_no_sense_are_a_bug);
+    RUN_TEST(test_who_gives_way_waits_for_the_queue_of_those_who_go_first);
+    RUN_TEST(test_a_model_that_does_not_heed_it_lets_both_go);
+    RUN_TEST(test_where_nobody_comes_they_follow_one_another_through_the_gap);
+    RUN_TEST(test_of_a_shared_lane_those_go_who_stand_before_the_first_who_gives_way);
+    RUN_TEST(test_a_right_of_way_that_is_not_heeded_changes_no_bit);
     return UNITY_END();
 }

@@ -359,6 +359,82 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
     TEST_EXPECT_ASSERT(elmopp_sight_init(&sight, &junction, &options));
 }
 
+/* --- who gives way --- */
+
+/* Both movements go in stage 0, and movement 0 gives way to movement 1. */
+static void start_giving_way(uint8_t percent, bool heeded) {
+    junction.stage_groups[0] = 0x3U;
+    junction.gives_way[0] = 0x2U;
+    junction.movement[0].gives_way_percent = percent;
+    elmopp_sight_options_t options = elmopp_sight_defaults(0U);
+    options.gives_way = heeded;
+    elmopp_sight_init(&sight, &junction, &options);
+    test_view_init(&seen, &junction);
+}
+
+/* Stage 0 is shown, five wait on movement 0 and none of them leaves, so many are on movement 1. */
+static void wait_for(uint32_t seconds, float opposing_veh) {
+    seen.queue_veh[1] = opposing_veh;
+    seconds_of_green(seconds, 0.0F, 5.0F);
+}
+
+static void test_who_waits_for_a_gap_does_not_lower_the_saturation_flow(void) {
+    start_giving_way(100U, true);
+    wait_for(60U, 3.0F);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, sight.flow_veh_per_s[0][0]);
+    start_giving_way(100U, false);
+    wait_for(60U, 3.0F);
+    TEST_ASSERT_TRUE(sight.flow_veh_per_s[0][0] < 0.25F);
+}
+
+static void test_the_flow_is_learnt_while_nobody_is_there_who_goes_first(void) {
+    start_giving_way(100U, true);
+    wait_for(60U, 0.0F);
+    TEST_ASSERT_TRUE(sight.flow_veh_per_s[0][0] < 0.25F);
+    TEST_ASSERT_TRUE(sight.flow_veh_per_s[0][0] >= 0.05F);
+    start_giving_way(100U, true);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, sight.flow_veh_per_s[0][0]);
+}
+
+static void test_who_waits_for_a_gap_is_not_blocked(void) {
+    start_giving_way(100U, true);
+    wait_for(60U, 3.0F);
+    TEST_ASSERT_FALSE(elmopp_sight_is_blocked(&sight, 0U));
+    wait_for(20U, 0.0F);
+    TEST_ASSERT_TRUE(elmopp_sight_is_blocked(&sight, 0U));
+    wait_for(20U, 3.0F);
+    TEST_ASSERT_TRUE(elmopp_sight_is_blocked(&sight, 0U));
+    second(0.0F, 4.0F);
+    TEST_ASSERT_FALSE(elmopp_sight_is_blocked(&sight, 0U));
+}
+
+static void test_the_usual_flow_is_what_gaps_in_the_mean_arrivals_let_through(void) {
+    start_giving_way(100U, true);
+    TEST_ASSERT_EQUAL_FLOAT(0.4F, elmopp_sight_usual(&sight, 0U, 0U));
+    seen.arrivals_veh[1] = 0.2F;
+    wait_for(5U, 1.0F);
+    TEST_ASSERT_FLOAT_WITHIN(0.0006F, 0.20666F, elmopp_sight_usual(&sight, 0U, 0U));
+    TEST_ASSERT_TRUE(elmopp_sight_is_served(&sight, 0U, 0U));
+    seen.arrivals_veh[1] = 1.0F;
+    wait_for(100U, 1.0F);
+    TEST_ASSERT_FALSE(elmopp_sight_is_served(&sight, 0U, 0U));
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, elmopp_sight_usual(&sight, 0U, 1U));
+    start_giving_way(25U, true);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-6F, 0.47058824F, elmopp_sight_usual(&sight, 0U, 0U));
+}
+
+static void test_nobody_gives_way_to_whom_has_red(void) {
+    start_giving_way(100U, true);
+    TEST_ASSERT_EQUAL_HEX32(0x1U, sight.yields[0]);
+    junction.stage_groups[0] = 0x1U;
+    const elmopp_sight_options_t options = elmopp_sight_defaults(0U);
+    elmopp_sight_init(&sight, &junction, &options);
+    TEST_ASSERT_EQUAL_HEX32(0x0U, sight.yields[0]);
+    TEST_ASSERT_EQUAL_FLOAT(0.5F, elmopp_sight_usual(&sight, 0U, 0U));
+    wait_for(60U, 3.0F);
+    TEST_ASSERT_TRUE(elmopp_sight_is_blocked(&sight, 0U));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_reach_takes_whole_seconds_at_free_flow);
@@ -390,5 +466,10 @@ int main(void) {
     RUN_TEST(test_a_change_of_stage_ends_a_block);
     RUN_TEST(test_whatever_is_counted_every_value_is_finite_and_not_negative);
     RUN_TEST(test_options_that_make_no_sense_are_a_bug);
+    RUN_TEST(test_who_waits_for_a_gap_does_not_lower_the_saturation_flow);
+    RUN_TEST(test_the_flow_is_learnt_while_nobody_is_there_who_goes_first);
+    RUN_TEST(test_who_waits_for_a_gap_is_not_blocked);
+    RUN_TEST(test_the_usual_flow_is_what_gaps_in_the_mean_arrivals_let_through);
+    RUN_TEST(test_nobody_gives_way_to_whom_has_red);
     return UNITY_END();
 }

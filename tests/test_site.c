@@ -432,6 +432,57 @@ static void test_one_of_a_movements_groups_is_no_rescue(void) {
     expect(ELMOPP_SITE_RESCUE, 0U, 0U);
 }
 
+/* Movement 2 gives way to movement 3; both go in stage 2, nobody else does. */
+static void let_give_way(void) {
+    make_compatible();
+    site.gives_way[2] = 0x8U;
+    site.movement[2].gives_way_percent = 100U;
+}
+
+static void test_a_movement_gives_way_to_one_that_goes_with_it(void) {
+    let_give_way();
+    expect_ok();
+    site.gives_way[2] = 0xAU;
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 1U);
+    site.gives_way[2] = 0xBU;
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 0U);
+}
+
+static void test_nobody_gives_way_to_himself_or_to_none_that_exists(void) {
+    let_give_way();
+    site.gives_way[2] = 0xCU;
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 2U);
+    site.gives_way[2] = 0x8U | (1U << GROUPS);
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 2U);
+    site.gives_way[2] = 0x80000000U;
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 2U);
+}
+
+static void test_who_gives_way_says_by_what_share(void) {
+    let_give_way();
+    site.movement[2].gives_way_percent = 1U;
+    expect_ok();
+    site.movement[2].gives_way_percent = 0U;
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 2U);
+    site.movement[2].gives_way_percent = 101U;
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 2U);
+    site.movement[2].gives_way_percent = 100U;
+    site.movement[1].gives_way_percent = 1U;
+    expect(ELMOPP_SITE_GIVES_WAY, 1U, 1U);
+}
+
+static void test_nobody_gives_way_under_a_law_of_the_queue(void) {
+    let_give_way();
+    site.simulation_only = 1U;
+    expect_ok();
+    site.discharge = ELMOPP_DISCHARGE_NOLOCK;
+    site.free_flow_m_per_s = 10.0F;
+    expect(ELMOPP_SITE_GIVES_WAY, 2U, 2U);
+    site.gives_way[2] = 0U;
+    site.movement[2].gives_way_percent = 0U;
+    expect_ok();
+}
+
 static void test_a_street_has_3_to_6_seconds_of_amber(void) {
     for (uint32_t amber_ds = 30U; amber_ds <= 60U; amber_ds += 30U) {
         site.group[2].amber_ds = (uint16_t)amber_ds;
@@ -983,6 +1034,10 @@ int main(void) {
     RUN_TEST(test_an_approach_has_3_movements_at_most);
     RUN_TEST(test_a_movement_is_rescued_by_a_stage_that_serves_it);
     RUN_TEST(test_one_of_a_movements_groups_is_no_rescue);
+    RUN_TEST(test_a_movement_gives_way_to_one_that_goes_with_it);
+    RUN_TEST(test_nobody_gives_way_to_himself_or_to_none_that_exists);
+    RUN_TEST(test_who_gives_way_says_by_what_share);
+    RUN_TEST(test_nobody_gives_way_under_a_law_of_the_queue);
     RUN_TEST(test_a_street_has_3_to_6_seconds_of_amber);
     RUN_TEST(test_a_simulation_may_have_no_amber);
     RUN_TEST(test_a_street_has_5_seconds_of_green_a_simulation_1);

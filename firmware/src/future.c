@@ -6,7 +6,10 @@
 #include "elmopp/assert.h"
 #include "elmopp/elementary.h"
 
+#include <string.h>
+
 #define DS_PER_S 10.0F
+#define GAP_WINDOW_S 5U  /* a gap is looked for so far ahead: the critical one, in whole seconds */
 #define NOBODY_VEH 0.01F /* for the rule: less is rounding, and must not call for a change */
 
 /* --- the junction, once --- */
@@ -36,10 +39,24 @@ static void list_served(elmopp_future_t *self, uint32_t stage) {
     self->served_count[stage] = (uint8_t)count;
 }
 
+static void list_foes(elmopp_future_t *self, uint32_t movement) {
+    uint32_t count = 0U;
+    for (uint32_t f = 0U; f < self->junction->movement_count; f++) {
+        if (elmopp_mask_has(self->junction->gives_way[movement], f)) {
+            self->foe[movement][count] = (uint8_t)f;
+            count++;
+        }
+    }
+    self->foe_count[movement] = (uint8_t)count;
+}
+
 void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *options, const elmopp_sight_t *sight,
                         const elmopp_coming_t *coming) {
     ELMOPP_ASSERT(elmopp_future_is_sound(options));
     *self = (elmopp_future_t){.options = *options, .junction = sight->junction, .sight = sight, .coming = coming};
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        list_foes(self, j);
+    }
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
         list_served(self, s);
         for (uint32_t to = 0U; to < self->junction->stage_count; to++) {
@@ -199,11 +216,22 @@ static void begin_change(elmopp_future_t *self, elmopp_stage_t wanted) {
     }
 }
 
+/* Of lanes that others share, who goes until the first one who gives way is at the head: one in 1 / share does. */
+static float unhindered(const elmopp_future_t *self, uint32_t movement) {
+    const float share = elmopp_sight_yielding_share(self->sight, movement);
+    return (float)self->junction->movement[movement].lanes * ((1.0F - share) / share);
+}
+
 static void show_target(elmopp_future_t *self) {
     const elmopp_stage_t target = self->target;
+    const uint32_t yields = self->sight->yields[target];
     for (uint32_t i = 0U; i < self->served_count[target]; i++) {
         const uint32_t j = self->served[target][i];
         const bool stays = elmopp_mask_has(self->sight->serves[self->shown], j);
+        if (yields != 0U) {
+            const bool begins = elmopp_mask_has(yields, j) && (!stays);
+            self->unhindered_veh[j] = begins ? unhindered(self, j) : 0.0F;
+        }
         self->startup_s[j] = stays ? 0.0F : ((float)self->junction->movement[j].startup_ds / DS_PER_S);
     }
     self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
@@ -224,6 +252,37 @@ static float open_flow(const elmopp_future_t *self, uint32_t movement, float que
     return flow;
 }
 
+/* Vehicles a second of a movement that reach the line from second `step` on. */
+static float coming(const elmopp_future_t *self, uint32_t step, uint32_t movement) {
+    const uint32_t ends = step + GAP_WINDOW_S;
+    const uint32_t horizon_s = self->coming->options.horizon_s;
+    const uint32_t until = (ends < horizon_s) ? ends : horizon_s;
+    const uint32_t span_s = until - step;
+    return (self->coming->arrived_veh[until][movement] - self->coming->arrived_veh[step][movement]) / (float)span_s;
+}
+
+/* What is left of a flow of a movement that gives way: nothing while a queue of those who go first stands. A queue that
+   gives way itself goes when it can: of those only who need not give way count. */
+static float flow_through_gaps(const elmopp_future_t *self, uint32_t step, uint32_t movement, float flow) {
+    if (self->unhindered_veh[movement] > 0.0F) {
+        return flow;
+    }
+    const uint32_t serves = self->sight->serves[self->shown];
+    const uint32_t yields = self->sight->yields[self->shown];
+    float opposing = 0.0F;
+    float queue_veh = 0.0F;
+    for (uint32_t i = 0U; i < self->foe_count[movement]; i++) {
+        const uint32_t f = self->foe[movement][i];
+        if (elmopp_mask_has(serves, f)) {
+            const float left_veh = self->coming->arrived_veh[step][f] - self->left_before_veh[f];
+            opposing += elmopp_sight_first_share(self->sight, self->shown, f) * coming(self, step, f);
+            queue_veh += elmopp_mask_has(yields, f) ? 0.0F : elmopp_greater(left_veh, 0.0F);
+        }
+    }
+    const float open = elmopp_greater(1.0F - queue_veh, 0.0F);
+    return (open > 0.0F) ? (open * elmopp_sight_through(self->sight, movement, flow, opposing)) : 0.0F;
+}
+
 /* One second of departures. Who is seen to reach the line in this second may pass in it; without a reach he is counted
    first, and goes in the next one at the earliest. */
 static void let_go(elmopp_future_t *self, uint32_t step) {
@@ -232,6 +291,10 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
     const uint8_t *served = self->served[self->shown];
     const uint32_t count = self->served_count[self->shown];
+    const uint32_t yields = self->sight->yields[self->shown];
+    if (yields != 0U) {
+        (void)memcpy(self->left_before_veh, self->left_veh, sizeof self->left_veh);
+    }
     for (uint32_t i = 0U; i < count; i++) {
         const uint32_t j = served[i];
         const float lost_s = self->startup_s[j];
@@ -240,11 +303,16 @@ static void let_go(elmopp_future_t *self, uint32_t step) {
         } else {
             const uint32_t there = step + ((self->sight->options.travel_s[j] > 0U) ? 1U : 0U);
             const float queue_veh = standing(self, there, j);
-            const float flow = open_flow(self, j, queue_veh, amber_share) * (1.0F - lost_s);
-            const float leaving_veh = elmopp_lesser(flow, queue_veh);
+            const float open = open_flow(self, j, queue_veh, amber_share);
+            const bool waits = (yields != 0U) && elmopp_mask_has(yields, j);
+            const float flow = waits ? flow_through_gaps(self, step, j, open) : open;
+            const float leaving_veh = elmopp_lesser(flow * (1.0F - lost_s), queue_veh);
             self->startup_s[j] = 0.0F;
             self->left_veh[j] += leaving_veh;
             self->left_sum_veh += leaving_veh;
+            if (waits) {
+                self->unhindered_veh[j] -= leaving_veh;
+            }
         }
     }
 }
@@ -288,6 +356,7 @@ static void start(elmopp_future_t *self) {
     for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
         self->left_veh[j] = 0.0F;
         self->startup_s[j] = 0.0F;
+        self->unhindered_veh[j] = 0.0F;
     }
 }
 

@@ -110,7 +110,7 @@ static float weight_of(const elmopp_rollout_t *self, uint32_t stage) {
     float sum = 0.0F;
     for (uint32_t i = 0U; i < self->future.served_count[stage]; i++) {
         const uint32_t j = self->future.served[stage][i];
-        sum += self->sight.present_veh[j] * self->sight.flow_veh_per_s[stage][j];
+        sum += self->sight.present_veh[j] * elmopp_sight_usual(&self->sight, stage, j);
     }
     return sum;
 }
@@ -121,7 +121,7 @@ static elmopp_stage_t stage_for(const elmopp_rollout_t *self, uint32_t movement)
     float best_flow = 0.0F;
     float best_weight = 0.0F;
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        const float flow = self->sight.flow_veh_per_s[s][movement];
+        const float flow = elmopp_sight_usual(&self->sight, s, movement);
         const float weight = weight_of(self, s);
         const bool better =
             (best == ELMOPP_STAGE_NONE) || (flow > best_flow) || ((flow >= best_flow) && (weight > best_weight));

@@ -5,6 +5,7 @@
 
 #include "elmopp/assert.h"
 #include "elmopp/elementary.h"
+#include "elmopp/gaps.h"
 
 #define MEAN_WINDOW_S 120U
 #define BLOCK_S 8U
@@ -19,7 +20,8 @@
 #define SOMEBODY_VEH 0.5F          /* somebody is there: a count may be part of a vehicle */
 #define LEFT_VEH 0.01F             /* somebody has left: less may be rounding */
 #define TOP_SHARE 0.25F            /* the parabola k (1 - k) at its highest */
-#define SETTLE_DS 10U              /* after the start-up, until departures tell of the saturation flow */
+#define PERCENT 100.0F
+#define SETTLE_DS 10U /* after the start-up, until departures tell of the saturation flow */
 
 uint16_t elmopp_sight_travel_s(const elmopp_junction_t *junction, uint32_t movement) {
     const float limit_km_per_h = (float)elmopp_junction_limit_km_per_h(junction, movement);
@@ -29,8 +31,11 @@ uint16_t elmopp_sight_travel_s(const elmopp_junction_t *junction, uint32_t movem
 }
 
 elmopp_sight_options_t elmopp_sight_defaults(uint16_t travel_s) {
-    elmopp_sight_options_t options = {
-        .mean_window_s = MEAN_WINDOW_S, .block_s = BLOCK_S, .prior_s = PRIOR_S, .forget_per_s = FORGET_PER_S};
+    elmopp_sight_options_t options = {.mean_window_s = MEAN_WINDOW_S,
+                                      .block_s = BLOCK_S,
+                                      .prior_s = PRIOR_S,
+                                      .forget_per_s = FORGET_PER_S,
+                                      .gives_way = true};
     for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
         options.travel_s[j] = travel_s;
     }
@@ -55,6 +60,71 @@ static float site_flow(const elmopp_junction_t *junction, uint32_t movement) {
                             : (junction->free_flow_m_per_s * TOP_SHARE);
 }
 
+/* --- who gives way --- */
+
+uint32_t elmopp_sight_foes(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
+    return self->junction->gives_way[movement] & self->serves[stage];
+}
+
+float elmopp_sight_yielding_share(const elmopp_sight_t *self, uint32_t movement) {
+    return (float)self->junction->movement[movement].gives_way_percent / PERCENT;
+}
+
+float elmopp_sight_first_share(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
+    return elmopp_mask_has(self->yields[stage], movement) ? (1.0F - elmopp_sight_yielding_share(self, movement)) : 1.0F;
+}
+
+float elmopp_sight_through(const elmopp_sight_t *self, uint32_t movement, float flow_veh_per_s,
+                           float opposing_veh_per_s) {
+    const float lanes = (float)self->junction->movement[movement].lanes;
+    const float through = lanes * elmopp_gaps_flow(opposing_veh_per_s);
+    return elmopp_gaps_shared(flow_veh_per_s, through, elmopp_sight_yielding_share(self, movement));
+}
+
+static void find_who_yields(elmopp_sight_t *self, uint32_t stage) {
+    for (uint32_t j = 0U; self->options.gives_way && (j < self->junction->movement_count); j++) {
+        const bool goes = elmopp_mask_has(self->serves[stage], j);
+        self->yields[stage] |= (goes && (elmopp_sight_foes(self, stage, j) != 0U)) ? ((uint32_t)1U << j) : 0U;
+    }
+}
+
+/* The mean arrivals of those who go first. */
+static float opposing_mean(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
+    const uint32_t foes = elmopp_sight_foes(self, stage, movement);
+    float sum = 0.0F;
+    for (uint32_t f = 0U; f < self->junction->movement_count; f++) {
+        if (elmopp_mask_has(foes, f)) {
+            sum += elmopp_sight_first_share(self, stage, f) * self->mean_veh_per_s[f];
+        }
+    }
+    return sum;
+}
+
+float elmopp_sight_usual(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
+    const float flow = self->flow_veh_per_s[stage][movement];
+    const bool yields = elmopp_mask_has(self->yields[stage], movement);
+    return yields ? elmopp_sight_through(self, movement, flow, opposing_mean(self, stage, movement)) : flow;
+}
+
+/* The movements that gave way in the last second to somebody who was there when it began. */
+static uint32_t held_up(const elmopp_sight_t *self, uint32_t stage) {
+    if (self->yields[stage] == 0U) {
+        return 0U;
+    }
+    uint32_t there = 0U;
+    uint32_t held = 0U;
+    for (uint32_t f = 0U; f < self->junction->movement_count; f++) {
+        there |= (self->present_veh[f] > 0.0F) ? ((uint32_t)1U << f) : 0U;
+    }
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const bool foes = (elmopp_sight_foes(self, stage, j) & there) != 0U;
+        held |= (foes && elmopp_mask_has(self->yields[stage], j)) ? ((uint32_t)1U << j) : 0U;
+    }
+    return held;
+}
+
+/* --- the counts --- */
+
 void elmopp_sight_init(elmopp_sight_t *self, const elmopp_junction_t *junction, const elmopp_sight_options_t *options) {
     ELMOPP_ASSERT(options->mean_window_s >= 1U);
     ELMOPP_ASSERT((options->prior_s > 0.0F) && (options->forget_per_s >= 0.0F) && (options->forget_per_s <= 1.0F));
@@ -68,6 +138,7 @@ void elmopp_sight_init(elmopp_sight_t *self, const elmopp_junction_t *junction, 
         for (uint32_t j = 0U; j < junction->movement_count; j++) {
             self->flow_veh_per_s[s][j] = elmopp_mask_has(self->serves[s], j) ? self->site_veh_per_s[j] : 0.0F;
         }
+        find_who_yields(self, s);
     }
 }
 
@@ -164,17 +235,21 @@ static bool is_settled(const elmopp_sight_t *self, const elmopp_view_t *view, ui
            elmopp_mask_has(self->serves[view->stage], movement) && (view->elapsed_ds > (startup_ds + SETTLE_DS));
 }
 
-static void observe_movement(elmopp_sight_t *self, const elmopp_view_t *view, uint32_t movement) {
+static void observe_movement(elmopp_sight_t *self, const elmopp_view_t *view, uint32_t movement, bool held) {
     const float arrived_veh = view->arrivals_veh[movement];
     const float present_veh = view->queue_veh[movement];
     const float left_veh = (self->present_veh[movement] + arrived_veh) - present_veh;
     const float queued_veh = self->queued_veh[movement];
     drive_on(self, movement, arrived_veh, present_veh);
     expect(self, movement, arrived_veh);
-    if (is_settled(self, view, movement)) {
-        watch_queue(self, view->stage, movement, queued_veh, left_veh);
-    } else {
+    if (!is_settled(self, view, movement)) {
         self->idle_s[movement] = 0U;
+    } else if (!held) {
+        watch_queue(self, view->stage, movement, queued_veh, left_veh);
+    } else if (left_veh >= LEFT_VEH) {
+        self->idle_s[movement] = 0U;
+    } else {
+        /* who waits for a gap is not blocked, nor does he show that he is not */
     }
     run_clock(self, movement, elmopp_mask_has(self->going & view->going, movement), left_veh);
 }
@@ -183,8 +258,9 @@ void elmopp_sight_observe(elmopp_sight_t *self, const elmopp_view_t *view) {
     if (self->mean_s < self->options.mean_window_s) {
         self->mean_s++;
     }
+    const uint32_t held = (view->stage < self->junction->stage_count) ? held_up(self, view->stage) : 0U;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        observe_movement(self, view, j);
+        observe_movement(self, view, j, elmopp_mask_has(held, j));
     }
     self->stage = view->stage;
     self->going = view->going;
@@ -192,7 +268,7 @@ void elmopp_sight_observe(elmopp_sight_t *self, const elmopp_view_t *view) {
 
 bool elmopp_sight_is_served(const elmopp_sight_t *self, uint32_t stage, uint32_t movement) {
     return elmopp_mask_has(self->serves[stage], movement) &&
-           (self->flow_veh_per_s[stage][movement] >= (ELMOPP_SIGHT_SERVED_SHARE * self->site_veh_per_s[movement]));
+           (elmopp_sight_usual(self, stage, movement) >= (ELMOPP_SIGHT_SERVED_SHARE * self->site_veh_per_s[movement]));
 }
 
 bool elmopp_sight_is_blocked(const elmopp_sight_t *self, uint32_t movement) {

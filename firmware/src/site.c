@@ -13,6 +13,7 @@
 #define MINUTES_PER_DAY 1440U
 #define ALL_WEEKDAYS 0x7FU
 #define SUNDAY 6U
+#define PERCENT_MAX 100U
 
 static const elmopp_site_verdict_t ok = {ELMOPP_SITE_OK, 0U, 0U};
 
@@ -128,6 +129,37 @@ elmopp_site_verdict_t elmopp_site_check_rescue(const elmopp_junction_t *junction
     const bool serves =
         (stage < junction->stage_count) && elmopp_junction_goes(junction, movement, junction->stage_groups[stage]);
     return verdict_of(serves, ELMOPP_SITE_RESCUE, movement, 0U);
+}
+
+/* The first movement of the mask that a movement cannot give way to; the count of movements if there is none. */
+static uint32_t wrong_foe(const elmopp_junction_t *junction, uint32_t movement) {
+    const uint32_t foes = junction->gives_way[movement];
+    uint32_t together = 0U;
+    for (uint32_t s = 0U; s < junction->stage_count; s++) {
+        const uint32_t served = elmopp_junction_served(junction, junction->stage_groups[s]);
+        together |= elmopp_mask_has(served, movement) ? served : 0U;
+    }
+    uint32_t found = junction->movement_count;
+    for (uint32_t j = junction->movement_count; j > 0U; j--) {
+        const uint32_t foe = j - 1U;
+        const bool possible = (foe != movement) && elmopp_mask_has(together, foe);
+        found = (elmopp_mask_has(foes, foe) && (!possible)) ? foe : found;
+    }
+    return found;
+}
+
+elmopp_site_verdict_t elmopp_site_check_gives_way(const elmopp_junction_t *junction, uint32_t movement) {
+    const uint32_t foes = junction->gives_way[movement];
+    const uint32_t percent = junction->movement[movement].gives_way_percent;
+    const bool exist = (foes >> junction->movement_count) == 0U;
+    const bool nobody = (foes == 0U) && (percent == 0U);
+    const bool somebody = (foes != 0U) && (percent >= 1U) && (percent <= PERCENT_MAX);
+    const bool known = (foes == 0U) || (junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION);
+    if ((!exist) || (!(nobody || somebody)) || (!known)) {
+        return fault(ELMOPP_SITE_GIVES_WAY, movement, movement);
+    }
+    const uint32_t wrong = wrong_foe(junction, movement);
+    return verdict_of(wrong == junction->movement_count, ELMOPP_SITE_GIVES_WAY, movement, wrong);
 }
 
 static bool group_times_fit(const elmopp_group_t *times) {
@@ -306,6 +338,9 @@ static elmopp_site_verdict_t check_shape(const elmopp_junction_t *junction) {
     }
     if (verdict.fault == ELMOPP_SITE_OK) {
         verdict = check_each(junction, junction->movement_count, elmopp_site_check_rescue);
+    }
+    if (verdict.fault == ELMOPP_SITE_OK) {
+        verdict = check_each(junction, junction->movement_count, elmopp_site_check_gives_way);
     }
     return verdict;
 }

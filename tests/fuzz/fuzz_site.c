@@ -19,7 +19,7 @@
 #define CANARY 0xA5
 #define TICKS 400U
 #define TICKS_OF_A_WISH 37U
-#define VERSION 3U
+#define VERSION 4U
 
 static void drive(const elmopp_junction_t *junction) {
     elmopp_plan_t plan;

@@ -238,6 +238,9 @@ void test_the_rollout_takes_its_options() {
     TEST_ASSERT_EQUAL_UINT(99, given.red_s);
     TEST_ASSERT_EQUAL_UINT(1, given.rule_count);
     TEST_ASSERT_EQUAL_UINT(0, state_of<elmopp_rollout_t>("rollout@red=unlimited").options.red_s);
+    TEST_ASSERT_TRUE(options.sight.gives_way);
+    TEST_ASSERT_FALSE(state_of<elmopp_rollout_t>("rollout@no-gaps").options.sight.gives_way);
+    expect_words(refusal("rollout@no-gaps=1"), {"no-gaps", "no value"});
     expect_words(late_refusal("rollout@horizon=151"), {"horizon", "rollout", "151", "1 to 150"});
     expect_words(late_refusal("rollout@weight=1.5"), {"weight", "rollout", "1.5", "at most 1"});
     expect_words(late_refusal("rollout@caution=1.5"), {"caution", "rollout", "1.5", "at most 1"});

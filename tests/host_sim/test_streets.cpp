@@ -14,6 +14,7 @@
 #include "turns.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 using namespace elmopp;
@@ -237,6 +238,27 @@ std::size_t left_turns(unsigned opposing, std::int64_t apart_ds) {
     world.run(100, 0);
     TEST_ASSERT_FALSE(world.streets->is_occupied(0));
     return static_cast<std::size_t>(left);
+}
+
+/// What a chooser is told and what the street does come from two places: the sites' key and the names. Of a lane the
+/// share that turns left gives way.
+void test_who_gives_way_in_the_street_is_who_the_site_says() {
+    for (const elmopp_junction_t *site : {&elmopp_site_five_way, &elmopp_site_four_way, &elmopp_site_left_lanes,
+                                          &elmopp_site_one_way, &elmopp_site_shared_lanes, &elmopp_site_three_way}) {
+        const auto share = usual_shares(*site);
+        for (std::size_t j = 0; j < site->movement_count; ++j) {
+            std::uint32_t foes = 0;
+            double yielding = 0.0;
+            for (const Way &way : ways_of(*site, site->movement[j].approach, share)) {
+                for (const std::size_t foe : way.movement == j ? way.gives_way : std::vector<std::size_t>()) {
+                    foes |= std::uint32_t{1} << foe;
+                }
+                yielding += way.movement == j && !way.gives_way.empty() ? way.share / share[j] : 0.0;
+            }
+            TEST_ASSERT_EQUAL_HEX32(foes, site->gives_way[j]);
+            TEST_ASSERT_EQUAL_INT(std::lround(100.0 * yielding), site->movement[j].gives_way_percent);
+        }
+    }
 }
 
 void test_a_left_turn_that_gives_way_waits_for_a_gap() {
@@ -528,6 +550,7 @@ int main() {
     RUN_TEST(test_a_full_bay_holds_up_those_behind_it);
     RUN_TEST(test_turns_have_their_shares);
     RUN_TEST(test_who_gives_way_is_read_from_names_and_conflicts);
+    RUN_TEST(test_who_gives_way_in_the_street_is_who_the_site_says);
     RUN_TEST(test_a_left_turn_that_gives_way_waits_for_a_gap);
     RUN_TEST(test_who_waits_in_the_junction_clears_at_the_end);
     RUN_TEST(test_a_left_turn_holds_up_its_shared_lane_and_no_other);

@@ -69,6 +69,10 @@ static void judge_part(const elmopp_junction_t *site) {
     case 9:
         judge_in_program(site, i, j);
         break;
+    case 11:
+        ASSUME(i < site->movement_count);
+        (void)elmopp_site_check_gives_way(site, i);
+        break;
     default:
         ASSUME(i < site->special_day_count);
         (void)elmopp_site_check_special_day(site, i);

@@ -28,6 +28,7 @@ LEVELS = {
     "lstm_q15_table": 0,
     "lstm_q15_kernel": 0,
     "trainer_kernel": 0,
+    "gaps": 0,
     "account": 1,
     "age": 1,
     "ann_f32": 1,

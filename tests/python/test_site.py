@@ -25,8 +25,8 @@ from elmopp_tools.site_toml import SCHEMA_PATH
 ROOT = Path(__file__).resolve().parents[2]
 INCLUDE = ROOT / "firmware" / "include"
 SITES = sorted((ROOT / "sites").glob("*.toml"))
-STRUCT_SIZE = 2212
-VERSION = 3
+STRUCT_SIZE = 2308
+VERSION = 4
 WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Werror"]
 
 # A small street that uses all keys: a and b conflict, c is compatible with both. Stage 0 serves B.M, stage 1 the
@@ -183,6 +183,34 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
     "negative flow": ("saturation_veh_per_s = 0.5", "saturation_veh_per_s = -0.5", ["A.M", "(-0.5)", "more than 0"]),
     "flow below single precision": ("saturation_veh_per_s = 0.4", "saturation_veh_per_s = 1e-60", ["B.M", "(0.0)"]),
     "negative capacity": ("capacity_veh = 4.5", "capacity_veh = -1", ["capacity_veh", "(-1)", "at least 0"]),
+    "gives way to nobody known": (
+        "lanes = 2",
+        'lanes = 2\ngives_way = ["X"]',
+        ["gives_way of movement A.R", '"X"', "A.M"],
+    ),
+    "gives way to itself": ("lanes = 2", 'lanes = 2\ngives_way = ["A.R"]', ["gives_way of movement A.R names itself"]),
+    "gives way to one on red": (
+        "lanes = 2",
+        'lanes = 2\ngives_way = ["B.M"]',
+        ["gives_way of movement A.R names B.M", "never goes with it", "some stage"],
+    ),
+    "gives way twice": ("lanes = 2", 'lanes = 2\ngives_way = ["A.M", "A.M"]', ["movements[1].gives_way", "twice"]),
+    "share of nobody": ("lanes = 2", "lanes = 2\ngives_way_share = 0.5", ["gives_way_share of movement A.R", "(0.5)"]),
+    "share of none": (
+        "lanes = 2",
+        'lanes = 2\ngives_way = ["A.M"]\ngives_way_share = 0',
+        ["gives_way_share of movement A.R", "(0.0)", "0.01 to 1.0"],
+    ),
+    "share too fine": (
+        "lanes = 2",
+        'lanes = 2\ngives_way = ["A.M"]\ngives_way_share = 0.255',
+        ["gives_way_share of movement A.R is finer", "0.255", "hundredth"],
+    ),
+    "more than all": (
+        "lanes = 2",
+        'lanes = 2\ngives_way = ["A.M"]\ngives_way_share = 1.1',
+        ["movements[1].gives_way_share is too large", "1.1"],
+    ),
     "no lane": ("lanes = 2", "lanes = 0", ["movements[1].lanes", "(0)", "at least 1"]),
     "start-up too fine": ("startup_s = 1.5", "startup_s = 1.55", ["startup_s of movement B.M", "1.55", "tenth"]),
     "amber too fine": ("amber_s = 3.5", "amber_s = 3.51", ["amber_s of group b", "3.51"]),
@@ -498,6 +526,20 @@ def test_an_approach_has_its_own_limit_or_the_sites_or_none(tmp_path: Path) -> N
     assert limits(GOOD) == [40, 40, 30]
     assert limits(silent) == [0, 0, 30]
     assert limits(silent.replace(", speed_km_per_h = 30", "", 1)) == [0, 0, 0]
+
+
+def test_who_gives_way_is_said_by_name_and_share(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = changed("lanes = 2", 'lanes = 2\ngives_way = ["A.M"]\ngives_way_share = 0.29')
+    path = write_site(tmp_path, text)
+    junction = load_site(path)[0]
+    assert [(item.gives_way, item.gives_way_percent) for item in junction.movements] == [(0, 0), (0b1, 29), (0, 0)]
+    assert main([str(path)]) == 0
+    assert "\nA.R gives way to A.M: 29 % of its vehicles\n" in capsys.readouterr().out
+    alone = load_site(write_site(tmp_path, text.replace("\ngives_way_share = 0.29", "")))[0]
+    assert alone.movements[1].gives_way_percent == 100
+    silent = load_site(write_site(tmp_path))[0]
+    assert all(item.gives_way == item.gives_way_percent == 0 for item in silent.movements)
+    assert image_bytes(junction)[-96:] == struct.pack("<24I", 0, 0b1, *[0] * 22)
 
 
 def test_own_saturation_is_per_lane_too(tmp_path: Path) -> None:

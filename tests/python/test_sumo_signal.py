@@ -4,6 +4,7 @@
 """SUMO's signals as junctions: on programmes written by hand, without SUMO."""
 
 import pytest
+from elmopp_tools.site_model import Junction
 from elmopp_tools.sumo_own import own_programmes
 from elmopp_tools.sumo_signal import (
     Phase,
@@ -84,6 +85,34 @@ def test_the_site_has_the_times_and_the_stages() -> None:
     assert [m.saturation_veh_per_s for m in site.movements] == [0.5, 0.5, 0.5, 0.5, 1.0]
     assert [m.capacity_veh for m in site.movements] == [10.0, 10.0, 10.0, 10.0, 20.0]
     assert site.simulation_only
+
+
+def right_of_way(site: Junction) -> dict[int, tuple[list[int], int]]:
+    """Of each movement that gives way: to whom, and how many of a hundred."""
+    return {
+        index: ([at for at in range(len(site.movements)) if item.gives_way >> at & 1], item.gives_way_percent)
+        for index, item in enumerate(site.movements)
+        if item.gives_way
+    }
+
+
+def test_who_shows_g_gives_way_to_whom_he_crosses_with_g_in_capitals() -> None:
+    """N has one lane for straight on and left, so half of its links give way to S; S's left turn does as a whole."""
+    site = junction_of(read_signal(CROSS), TIMES, 75.0)
+    assert right_of_way(site) == {0: ([1], 50), 2: ([0], 100)}
+
+
+def test_a_turn_that_only_goes_by_itself_gives_way_to_nobody() -> None:
+    lanes = tuple(((f"{'NNSSEW'[link]}", f"L{link}"),) for link in range(6))
+    site = junction_of(read_signal(programme("GrGrrr", "rgrgrr", "rrrrGG", lanes=lanes)), TIMES, 75.0)
+    assert right_of_way(site) == {}
+
+
+def test_nobody_gives_way_to_people_on_a_crossing() -> None:
+    lanes = ((("N", "N_0"),), ((":J_w0", ":J_w0_0"),), (("E", "E_0"),))
+    phases = (Phase("gGr", 30.0), Phase("rrG", 30.0))
+    foes = frozenset({(0, 1), (1, 0), (0, 2), (2, 0), (1, 2), (2, 1)})
+    assert right_of_way(junction_of(read_signal(Programme("J", phases, lanes, foes)), TIMES, 75.0)) == {}
 
 
 def test_two_greens_that_cross_are_refused() -> None:

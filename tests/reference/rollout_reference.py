@@ -9,13 +9,16 @@ it; nobody is hidden without a reach; a second teaches one vehicle a lane at mos
 asked in every modelled second after the hold; rows correct the mean as far as they have been better than it; without a
 reach nobody goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; and of
 the other stages the heaviest are tried, each rule held against the same rule after keeping, the mean gain less a part
-of what the worst one is behind it.
+of what the worst one is behind it. A lane that gives way waits for the queue of those it gives way to, and then for
+gaps between them (gaps_reference); seconds in which one of them was there teach nothing.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from statistics import fmean
+
+import gaps_reference
 
 NEVER = -1
 PROBES = (10, 30)  # so far ahead rows are held against what comes
@@ -35,6 +38,14 @@ class Site:
     change: list[list[int]]
     free_flow: float = 0.0
     law: int = 0
+    gives_way: list[set[int]] = field(default_factory=list)  # of a lane: those that go first
+    gives_way_share: list[float] = field(default_factory=list)
+
+    def foes(self, stage: int, lane: int) -> list[int]:
+        """Those that go first in a stage, if the lane goes in it at all."""
+        if not self.gives_way or not self.serves(stage, lane):
+            return []
+        return sorted(foe for foe in self.gives_way[lane] if self.serves(stage, foe))
 
     def serves(self, stage: int, lane: int) -> bool:
         return bool(self.stages[stage] >> lane & 1)
@@ -100,6 +111,10 @@ class Rollout:
 
     def observe(self, present: list[float], arrived: list[float], stage: int, elapsed: float, going: int) -> None:
         self.lam_weight = min(self.lam_weight + 1, 120)
+        before = list(self.n)
+        self.held = [
+            stage != NEVER and any(before[f] > 0.0 for f in self.site.foes(stage, j)) for j in range(len(before))
+        ]
         for lane in range(len(present)):
             self._observe(lane, present[lane], arrived[lane], stage, elapsed, going)
         self.last_stage, self.last_going = stage, going
@@ -121,9 +136,12 @@ class Rollout:
             self.lam[lane] += (arr - self.lam[lane]) / self.lam_weight
         settled = stage != NEVER and stage == self.last_stage and elapsed > site.startup[lane] + 1.0
         if settled and site.serves(stage, lane) and site.law == 0:
-            if q_old >= 2.0 * site.lanes[lane]:
-                self._learn(stage, lane, dep)
-            self.idle[lane] = self.idle[lane] + 1 if q_old >= 1.0 and dep < LEFT else 0
+            if self.held[lane]:
+                self.idle[lane] = 0 if dep >= LEFT else self.idle[lane]
+            else:
+                if q_old >= 2.0 * site.lanes[lane]:
+                    self._learn(stage, lane, dep)
+                self.idle[lane] = self.idle[lane] + 1 if q_old >= 1.0 and dep < LEFT else 0
         else:
             self.idle[lane] = 0
         if (self.last_going & going) >> lane & 1 and (dep >= LEFT or n_new < 0.5):
@@ -168,7 +186,21 @@ class Rollout:
     # --- decide ---
 
     def serves_well(self, stage: int, lane: int) -> bool:
-        return self.site.serves(stage, lane) and self.sat[stage][lane] >= self.s[lane] / 4
+        return self.site.serves(stage, lane) and self.usual(stage, lane) >= self.s[lane] / 4
+
+    def usual(self, stage: int, lane: int) -> float:
+        """What a stage lets a lane go in the mean of those it gives way to."""
+        foes = self.site.foes(stage, lane)
+        flow = self.sat[stage][lane]
+        return self.through(lane, flow, sum(self.first(stage, f) * self.lam[f] for f in foes)) if foes else flow
+
+    def first(self, stage: int, lane: int) -> float:
+        """The share of a lane for which others wait: those of it who give way themselves are none."""
+        return 1.0 - self.site.gives_way_share[lane] if self.site.foes(stage, lane) else 1.0
+
+    def through(self, lane: int, flow: float, opposing: float) -> float:
+        gaps = self.site.lanes[lane] * gaps_reference.by_lines(opposing)
+        return float(gaps_reference.shared(flow, gaps, self.site.gives_way_share[lane]))
 
     def decide(
         self, cur: int, elapsed: int, rows: list[list[float]], share: list[float]
@@ -201,11 +233,11 @@ class Rollout:
         w = max(waiting, key=lambda j: (self.red[j], -j))
         able = [s for s in range(len(self.site.stages)) if self.serves_well(s, w)]
         if best != cur and able and self.setting.r_trig and self.red[w] >= self.setting.r_trig:
-            best = max(able, key=lambda s: (self.sat[s][w], self._weight(s), -s))
+            best = max(able, key=lambda s: (self.usual(s, w), self._weight(s), -s))
         return best, values
 
     def _weight(self, stage: int) -> float:
-        return sum(n * sat for n, sat in zip(self.n, self.sat[stage], strict=True))
+        return sum(n * self.usual(stage, lane) for lane, n in enumerate(self.n))
 
     def _expect(self, rows: list[list[float]], share: list[float]) -> None:
         travel, self.a = self.setting.travel, []
@@ -241,13 +273,31 @@ class Rollout:
             return min(c, self._flow(self.sat[target], lane, queue))
         return c * min(max(self.setting.yuse - (self.site.change[g][target] - left), 0.0), 1.0)
 
+    def _ahead(self, before: int, stage: int, lane: int) -> float:
+        """Who stands before the first one who gives way, in the mean of a lane where one in 1/share does."""
+        if self.site.serves(before, lane) or not self.site.foes(stage, lane):
+            return 0.0
+        return self.site.lanes[lane] * (1.0 / self.site.gives_way_share[lane] - 1.0)
+
+    def _in_gaps(self, g: int, lane: int, c: float, k: int, queues: list[float]) -> float:
+        """A lane's flow, less where it gives way: `queues` stood before the second, arrivals of five count."""
+        foes = self.site.foes(g, lane)
+        if not foes or self.ahead[lane] > 0.0:
+            return c
+        ahead = self.a[k : k + 5]
+        opposing = sum(self.first(g, f) * sum(second[f] for second in ahead) / len(ahead) for f in foes)
+        standing = sum(max(queues[f], 0.0) for f in foes if not self.site.foes(g, f))
+        return max(1.0 - standing, 0.0) * self.through(lane, c, opposing)
+
     def roll(self, cur: int, elapsed: int, first: int, hold: int, ratio: float) -> float:
         site, lanes, horizon = self.site, range(len(self.n)), self.setting.horizon
         x, g, e, su = list(self.q), cur, elapsed, [0.0] * len(self.n)
+        self.ahead = [0.0] * len(self.n)  # of the first who gives way
         target, left, cost, flow = NEVER, 0, 0.0, self.sx
         nobody = [[0.0] * len(self.n)] * horizon
         passing, counted = (self.a, nobody) if self.setting.travel else (nobody, self.a)
         for k in range(horizon):
+            queues = list(x)
             if target == NEVER:
                 later = self.base(g, e, ratio, x, flow) if k >= hold else g
                 want = first if k == 0 else later
@@ -257,14 +307,17 @@ class Rollout:
                 x[lane] += passing[k][lane]
             if target != NEVER and left <= 0:
                 su = [0.0 if site.serves(g, j) and site.serves(target, j) else site.startup[j] for j in lanes]
+                self.ahead = [self._ahead(g, target, j) for j in lanes]
                 g, target, e, flow = target, NEVER, 0, self.sat[target]
             for lane in lanes:
-                c = self._open(g, target, left, flow, lane, x[lane])
+                c = self._in_gaps(g, lane, self._open(g, target, left, flow, lane, x[lane]), k, queues)
                 if su[lane] >= 1.0:
                     su[lane] -= 1.0
                 else:
-                    x[lane] -= min(x[lane], c * (1.0 - su[lane]))
+                    gone = min(x[lane], c * (1.0 - su[lane]))
+                    x[lane] -= gone
                     su[lane] = 0.0
+                    self.ahead[lane] -= gone if site.foes(g, lane) else 0.0
                 x[lane] += counted[k][lane]
                 cost += x[lane]
             if target != NEVER:

@@ -26,6 +26,7 @@ LEVEL_0 = frozenset(
         "chooser",
         "elementary",
         "fault",
+        "gaps",
         "image",
         "junction",
         "lamps",
@@ -58,6 +59,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "lstm_q15_table": frozenset(),
     "lstm_q15_kernel": frozenset({"lstm_q15_table", "lstm_shape"}),
     "trainer_kernel": frozenset({"elementary", "lstm_kernel", "lstm_shape"}),
+    "gaps": frozenset({"elementary"}),
     # level 1: not each other
     "account": LEVEL_0,
     "age": LEVEL_0,

@@ -121,7 +121,17 @@ def summary(junction: Junction) -> str:
     name = f"{junction.name} (simulation only)" if junction.simulation_only else junction.name
     head = f"{name}: " + ", ".join(f"{what} {count}" for what, count in counts.items())
     stages = [f"stage {index}: {' '.join(junction.group_names(mask))}" for index, mask in enumerate(junction.stages)]
-    return "\n".join([head, *stages, *_promises(junction)])
+    return "\n".join([head, *stages, *_right_of_way(junction), *_promises(junction)])
+
+
+def _right_of_way(junction: Junction) -> list[str]:
+    """Who gives way to whom, and how many of a lane."""
+    return [
+        f"{movement.name} gives way to {' '.join(junction.movement_names(movement.gives_way))}: "
+        f"{movement.gives_way_percent} % of its vehicles"
+        for movement in junction.movements
+        if movement.gives_way
+    ]
 
 
 def _promises(junction: Junction) -> list[str]:

@@ -10,6 +10,7 @@ result is a junction that may stand in a street is said by site_rules.
 import struct
 from collections import ChainMap
 from collections.abc import Sequence
+from dataclasses import replace
 
 from elmopp_tools import site_hours
 from elmopp_tools.site_model import (
@@ -24,7 +25,7 @@ from elmopp_tools.site_model import (
     Movement,
     SiteError,
 )
-from elmopp_tools.site_words import Document, checked_name, index_of, list_names, mask_of, tenths
+from elmopp_tools.site_words import Document, checked_name, index_of, list_names, mask_of, percent, tenths
 from elmopp_tools.stages import addable_group, conflict_pair, enumerate_stages
 
 # A queued car takes its own length and the gap to the next one: 7.5 m from bumper to bumper is the usual figure.
@@ -40,11 +41,14 @@ def build_junction(document: Document) -> Junction:
     """The Junction that a schema-checked document describes."""
     approaches = list_names(document["approaches"], "approaches", "ELMOPP_APPROACH_MAX", APPROACH_MAX)
     group_names = list_names(document["groups"], "groups", "ELMOPP_GROUP_MAX", GROUP_MAX)
-    list_names(document["movements"], "movements", "ELMOPP_MOVEMENT_MAX", MOVEMENT_MAX)
+    movement_names = list_names(document["movements"], "movements", "ELMOPP_MOVEMENT_MAX", MOVEMENT_MAX)
     conflict = _conflict_masks(document["conflicts"], group_names)
     simulation_only = document.get("simulation_only", False)
     stages = _stages(document.get("stages"), conflict, group_names, some_will_do=simulation_only)
-    movements = tuple(_movement(document, item, approaches, group_names) for item in document["movements"])
+    movements = tuple(
+        _with_right_of_way(_movement(document, item, approaches, group_names), item, movement_names)
+        for item in document["movements"]
+    )
     groups = tuple(_group(item) for item in document["groups"])
     rescue = site_hours.rescue_stages(stages, movements)
     programs = site_hours.programs(document.get("programs", []), stages, group_names)
@@ -127,6 +131,18 @@ def _movement(document: Document, item: Document, approaches: Sequence[str], gro
         startup_ds=tenths(f"startup_s of movement {name}", own_or_common["startup_s"]),
         limit_km_per_h=_limit(document, approach),
     )
+
+
+def _with_right_of_way(movement: Movement, item: Document, names: Sequence[str]) -> Movement:
+    """The movement with whom it gives way to, and which part of its vehicles does."""
+    name = item["name"]
+    foes = mask_of(names, item.get("gives_way", []), f"gives_way of movement {name}")
+    share = item.get("gives_way_share")
+    if share is not None and not foes:
+        wrong = f"gives_way_share of movement {name}, which gives way to nobody"
+        raise SiteError(wrong, share, "leave it out, or gives_way with the movements that go first")
+    part = percent(f"gives_way_share of movement {name}", 1 if share is None else share)
+    return replace(movement, gives_way=foes, gives_way_percent=part if foes else 0)
 
 
 def _limit(document: Document, approach: int) -> int:

@@ -62,6 +62,7 @@ def _members(junction: Junction) -> Iterator[str]:
     yield from _intergreens(junction)
     yield from _block("rescue_stage", (_rescue(junction, i) for i in range(len(junction.movements))))
     yield from _hours(junction)
+    yield from _right_of_way(junction)
 
 
 def _head(junction: Junction) -> list[str]:
@@ -107,12 +108,16 @@ def _movement(index: int, movement: Movement) -> str:
         f".saturation_veh_per_s = {float_literal(movement.saturation_veh_per_s)}, "
         f".startup_ds = {movement.startup_ds}U, "
         f".groups = 0x{movement.groups:04X}U, .approach = {movement.approach}U, .lanes = {movement.lanes}U"
-        f"{_limit(movement)} }},"
+        f"{_limit(movement)}{_yielding_share(movement)} }},"
     )
 
 
 def _limit(movement: Movement) -> str:
     return f", .limit_km_per_h = {movement.limit_km_per_h}U" if movement.limit_km_per_h else ""
+
+
+def _yielding_share(movement: Movement) -> str:
+    return f", .gives_way_percent = {movement.gives_way_percent}U" if movement.gives_way else ""
 
 
 def _group(index: int, group: Group) -> str:
@@ -152,6 +157,16 @@ def _hours(junction: Junction) -> Iterator[str]:
         days = junction.special_days
         rows = (f"[{i}] = {{ .day = {day.day}U, .weekday = {day.weekday}U }}," for i, day in enumerate(days))
         yield from _block("special_day", rows)
+
+
+def _right_of_way(junction: Junction) -> Iterator[str]:
+    rows = [
+        f"[{i}] = 0x{item.gives_way:08X}U, /* {item.name}: {' '.join(junction.movement_names(item.gives_way))} */"
+        for i, item in enumerate(junction.movements)
+        if item.gives_way
+    ]
+    if rows:
+        yield from _block("gives_way", iter(rows))
 
 
 def _program(index: int, program: Program) -> str:

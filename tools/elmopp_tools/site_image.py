@@ -28,17 +28,18 @@ from elmopp_tools.site_model import (
 )
 
 MAGIC = b"ELMS"
-VERSION = 3
+VERSION = 4
 
 WORD_SIZE = 2
 
 _HEAD = struct.Struct(f"<{SITE_NAME_SIZE}s8B5H8BH2f")
-_MOVEMENT = struct.Struct(f"<{NAME_SIZE}sffHHBBBx")
+_MOVEMENT = struct.Struct(f"<{NAME_SIZE}sffHHBBBB")
 _GROUP = struct.Struct(f"<{NAME_SIZE}s4H2B")
 _STEP = struct.Struct("<HBx")
 _PROGRAM_TAIL = struct.Struct("<B3x")
 _SCHEDULE = struct.Struct("<HBB")
 _SPECIAL_DAY = struct.Struct("<HBx")
+_MASK = struct.Struct("<I")
 _PROGRAM_SIZE = STEP_MAX * _STEP.size + _PROGRAM_TAIL.size
 
 
@@ -70,6 +71,7 @@ def body_bytes(junction: Junction) -> bytes:
                 SPECIAL_DAY_MAX,
                 _SPECIAL_DAY.size,
             ),
+            _rows([_MASK.pack(item.gives_way) for item in junction.movements], MOVEMENT_MAX, _MASK.size),
         ]
     )
 
@@ -131,6 +133,7 @@ def _movement(movement: Movement) -> bytes:
         movement.approach,
         movement.lanes,
         movement.limit_km_per_h,
+        movement.gives_way_percent,
     )
 
 

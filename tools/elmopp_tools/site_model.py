@@ -68,6 +68,8 @@ class Movement:
     saturation_veh_per_s: float
     startup_ds: int
     limit_km_per_h: int = 0  # of its approach; 0: nobody says
+    gives_way: int = 0  # mask of the movements that go first where both have green
+    gives_way_percent: int = 0  # of its vehicles, those that do give way
 
 
 @dataclass(frozen=True)
@@ -167,6 +169,14 @@ class Junction:
     def serves(self, stage: int, movement: "Movement") -> bool:
         """True if a stage lets a movement go."""
         return self.stages[stage] & movement.groups == movement.groups
+
+    def movement_names(self, mask: int) -> list[str]:
+        """Names of the movements of a mask, in site order."""
+        return [movement.name for index, movement in enumerate(self.movements) if mask >> index & 1]
+
+    def go_together(self, one: "Movement", other: "Movement") -> bool:
+        """True if some stage lets both go."""
+        return any(self.serves(stage, one) and self.serves(stage, other) for stage in range(len(self.stages)))
 
     def conflict_count(self) -> int:
         """Unordered pairs of groups that conflict."""

@@ -47,6 +47,7 @@ def check_junction(junction: Junction) -> None:
     for index, movement in enumerate(junction.movements):
         _check_movement(junction, movement)
         _check_rescue(junction, movement, junction.rescue_stages[index])
+        _check_right_of_way(junction, index, movement)
     _check_use(junction)
     _check_intergreens(junction)
     _check_red_bound(junction)
@@ -136,6 +137,27 @@ def _check_rescue(junction: Junction, movement: Movement, stage: int) -> None:
     if stage >= len(junction.stages) or not junction.serves(stage, movement):
         wrong = f"the rescue stage of movement {movement.name} does not serve it"
         raise SiteError(wrong, stage, f"a stage with {' '.join(junction.group_names(movement.groups))}")
+
+
+def _check_right_of_way(junction: Junction, index: int, movement: Movement) -> None:
+    path = f"gives_way of movement {movement.name}"
+    least, most = (1, 100) if movement.gives_way else (0, 0)
+    if movement.gives_way >> len(junction.movements):
+        wrong = f"{path} names a movement that does not exist"
+        raise SiteError(wrong, movement.gives_way, f"a mask of {len(junction.movements)} bits")
+    if not least <= movement.gives_way_percent <= most:
+        wrong = f"gives_way_share of movement {movement.name} is out of range"
+        raise SiteError(wrong, movement.gives_way_percent / 100, f"{least / 100} to {most / 100}")
+    if movement.gives_way and junction.discharge != "saturation":
+        raise SiteError(f"{path} has no meaning with discharge {junction.discharge}", junction.discharge, "saturation")
+    for other in bits_of(movement.gives_way):
+        if other == index:
+            raise SiteError(f"{path} names itself", movement.name, "only other movements")
+        if not junction.go_together(movement, junction.movements[other]):
+            name = junction.movements[other].name
+            raise SiteError(
+                f"{path} names {name}, which never goes with it", name, "movements that some stage lets go too"
+            )
 
 
 def _check_use(junction: Junction) -> None:

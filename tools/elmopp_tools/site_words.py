@@ -20,6 +20,14 @@ def tenths(path: str, time_s: float) -> int:
     return time_ds
 
 
+def percent(path: str, share: float) -> int:
+    """A share as a whole number of hundredths; a finer one is refused, not rounded."""
+    hundredths = round(share * 100)
+    if abs(hundredths - share * 100) > 1e-9:
+        raise SiteError(f"{path} is finer than a hundredth", share, f"for example {hundredths / 100}")
+    return hundredths
+
+
 def check_count(items: Sequence[object], what: str, bound_name: str, bound: int) -> None:
     """Refuses a list that the struct has no room for."""
     if len(items) > bound:

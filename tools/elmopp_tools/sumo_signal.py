@@ -13,6 +13,9 @@ signal's state, one letter each; a *phase* is such a state with a duration.
   permissive turn (letter g, which gives way) is therefore compatible with what it crosses.
 - A *movement* is the lanes of one edge that need the same groups. A lane that shares a straight and a turning link goes
   when all its links go; where no stage lets all of them go, when the most do that any stage lets.
+- A movement *gives way* to another one that goes with it if one of its links shows g while a link of the other that it
+  crosses or merges with shows G. The share of it that does is that of its links. People on crossings are left out:
+  they are not a flow with gaps.
 """
 
 from collections.abc import Iterable, Sequence
@@ -162,6 +165,7 @@ def junction_of(signal: Signal, times: Times, reach_m: float) -> Junction:
                 "approach": f"a{approach}",
                 "groups": [names[group] for group in bits_of(signal.movements[index].groups)],
                 "lanes": len(signal.movements[index].lanes),
+                **_right_of_way(signal, index),
             }
             for approach, members in enumerate(signal.approaches)
             for index in members
@@ -180,6 +184,37 @@ def junction_of(signal: Signal, times: Times, reach_m: float) -> Junction:
     except SiteError as error:
         raise SignalError(f"signal {signal.name} is no junction: {error}") from None
     return junction
+
+
+def _right_of_way(signal: Signal, index: int) -> dict[str, list[str] | float]:
+    """The keys of a site that say to whom a movement gives way; none if it never does."""
+    movement = signal.movements[index]
+    others = [other for other in signal.movements if other.edge != movement.edge and not _is_walked(other)]
+    found = {other: links for other in others if (links := _yielding_links(signal, movement, other))}
+    if _is_walked(movement) or not found:
+        return {}
+    share = len(set().union(*found.values())) / len(movement.links)
+    return {
+        "gives_way": [f"m{at}" for at, other in enumerate(signal.movements) if other in found],
+        "gives_way_share": round(max(share, 0.01), 2),
+    }
+
+
+def _yielding_links(signal: Signal, movement: LaneGroup, other: LaneGroup) -> set[int]:
+    """Links of a movement that show g in a stage in which both go, while one of the other that they cross has G."""
+    return {
+        link
+        for stage, state in zip(signal.stages, signal.states, strict=True)
+        if stage & movement.groups == movement.groups and stage & other.groups == other.groups
+        for link in movement.links
+        for against in other.links
+        if state[link] == "g" and state[against] == "G" and (link, against) in signal.foes
+    }
+
+
+def _is_walked(movement: LaneGroup) -> bool:
+    """Crossings and walking areas are internal edges, whose names begin with a colon."""
+    return movement.edge.startswith(":")
 
 
 def letters(signal: Signal, shown: int, target: int, aspects: str) -> str:

@@ -9,6 +9,12 @@
 /// blocked. A change of stage takes the site's intergreen, of whose amber yellow_used_s are still driven, and the
 /// start-up of what is newly green: the price of a change is worked out, never set.
 ///
+/// A movement that gives way in the stage shown (site key gives_way) waits while a queue of those who go first stands,
+/// and goes after it as the gaps between those let it who reach the line in the next five seconds (gaps.h). Of lanes
+/// that others share as many go before as stand in front of the first one who gives way in the mean; in the stage shown
+/// now nobody does, as who stands in front is not known. Nobody is credited with clearing the junction at the end of
+/// the green: a model that is paid for each end ends its greens.
+///
 /// A future begins with an action: keep the stage shown for some seconds, or change to another one. Then a reactive
 /// rule decides, that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of queue
 /// times flow when that is more than ratio times the own one's; at max_s leave anyway.
@@ -17,7 +23,8 @@
 /// what it costs at least until it has gone at its flow s.
 ///
 /// What it never does: decide, observe, touch a lamp. One future takes at most horizon_s times (stages + movements)
-/// steps. It owns fixed memory of about 4 kB; sight and table belong to the caller. Not thread-safe.
+/// steps, and as many more for each pair that gives way. It owns fixed memory of about 5 kB; sight and table belong to
+/// the caller. Not thread-safe.
 
 #ifndef ELMOPP_FUTURE_H
 #define ELMOPP_FUTURE_H
@@ -49,23 +56,27 @@ typedef struct {
     uint8_t served_count[ELMOPP_STAGE_MAX];                ///< movements that a stage lets go ...
     uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX]; ///< ... and which
     uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX]; ///< [from][to] intergreen in whole seconds
+    uint8_t foe_count[ELMOPP_MOVEMENT_MAX];                ///< movements to which one gives way where they go ...
+    uint8_t foe[ELMOPP_MOVEMENT_MAX][ELMOPP_MOVEMENT_MAX]; ///< ... and which
     float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];     ///< in the stage shown now, less where blocked
     elmopp_stage_t present;                                ///< the stage shown now ...
     float come[ELMOPP_HORIZON_MAX + 1U]; ///< what arrivals before a step add to half a pressure at most
     uint32_t present_s;                  ///< ... and for how long
     /* The one that is played. */
-    const float *flow_veh_per_s;          ///< [movement] in the stage shown
-    float left_veh[ELMOPP_MOVEMENT_MAX];  ///< departures until now
-    float startup_s[ELMOPP_MOVEMENT_MAX]; ///< of the start-up, still to come
-    float left_sum_veh;                   ///< all departures
-    float greatest;                       ///< pressure of any stage when the rule last looked at all of them ...
-    uint32_t greatest_step;               ///< ... in this second
-    bool looked;                          ///< ... since the stage shown came
-    uint32_t elapsed_s;                   ///< of the stage shown
-    uint32_t changing_s;                  ///< the intergreen to the target
-    uint32_t remaining_s;                 ///< ... and what is left of it
-    elmopp_stage_t shown;                 ///< or being left
-    elmopp_stage_t target;                ///< being brought up, ELMOPP_STAGE_NONE: none
+    const float *flow_veh_per_s;                ///< [movement] in the stage shown
+    float left_veh[ELMOPP_MOVEMENT_MAX];        ///< departures until now
+    float left_before_veh[ELMOPP_MOVEMENT_MAX]; ///< ... until this second, where somebody gives way
+    float startup_s[ELMOPP_MOVEMENT_MAX];       ///< of the start-up, still to come
+    float unhindered_veh[ELMOPP_MOVEMENT_MAX];  ///< may go before the first who gives way
+    float left_sum_veh;                         ///< all departures
+    float greatest;                             ///< pressure of any stage when the rule last looked at all of them ...
+    uint32_t greatest_step;                     ///< ... in this second
+    bool looked;                                ///< ... since the stage shown came
+    uint32_t elapsed_s;                         ///< of the stage shown
+    uint32_t changing_s;                        ///< the intergreen to the target
+    uint32_t remaining_s;                       ///< ... and what is left of it
+    elmopp_stage_t shown;                       ///< or being left
+    elmopp_stage_t target;                      ///< being brought up, ELMOPP_STAGE_NONE: none
 } elmopp_future_t;
 
 /// True if the options are what their comments say, with 1 <= min_s <= max_s.

@@ -82,7 +82,7 @@ typedef struct {
     uint8_t approach;            ///< index of its approach
     uint8_t lanes;               ///< pavement lanes
     uint8_t limit_km_per_h;      ///< speed limit of its approach; 0: nobody says, ELMOPP_JUNCTION_LIMIT_KM_PER_H
-    uint8_t reserved;
+    uint8_t gives_way_percent;   ///< of its vehicles, those that give way where it gives way; 0: it never does
 } elmopp_movement_t;
 
 /// One signal group with its times in tenths of a second.
@@ -161,12 +161,13 @@ typedef struct {
     elmopp_program_t program[ELMOPP_PROGRAM_MAX];
     elmopp_schedule_t schedule[ELMOPP_SCHEDULE_MAX];
     elmopp_special_day_t special_day[ELMOPP_SPECIAL_DAY_MAX];
+    uint32_t gives_way[ELMOPP_MOVEMENT_MAX]; ///< mask of the movements that go first where both have green
 } elmopp_junction_t;
 
 static_assert(sizeof(float) == 4U, "the image needs IEEE 754 single precision");
 static_assert(sizeof(elmopp_movement_t) == 28U, "a movement must have no implicit padding");
 static_assert(sizeof(elmopp_group_t) == 22U, "a group must have no implicit padding");
-static_assert(sizeof(elmopp_junction_t) == 2212U, "a junction must have no implicit padding");
+static_assert(sizeof(elmopp_junction_t) == 2308U, "a junction must have no implicit padding");
 
 /// Load L = Q / C of one movement (paper: the Hadamard quotient of Q and C), 0 where the capacity is 0. Shape: scalar.
 float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);

@@ -35,6 +35,8 @@ typedef enum {
     ELMOPP_SITE_APPROACH,   ///< more movements than ELMOPP_APPROACH_MOVEMENT_MAX [approach]
     ELMOPP_SITE_MOVEMENT,   ///< capacity, saturation flow, lanes, limit, approach or groups make none [movement]
     ELMOPP_SITE_RESCUE,     ///< the rescue stage does not exist or does not serve the movement [movement]
+    ELMOPP_SITE_GIVES_WAY,  ///< to none that exists, to itself, to one that never goes with it, or with a share out of
+                            ///< place [movement, the other one]
     ELMOPP_SITE_GROUP,      ///< a time is outside of its rule, or there is no such lamp node or way to flash [group]
     ELMOPP_SITE_CONFLICT,   ///< a group conflicts with itself, with none that exists, or one-sidedly [group, group]
     ELMOPP_SITE_INTERGREEN, ///< out of bounds for a conflicting pair, or set for a compatible one [ending, starting]
@@ -61,7 +63,7 @@ typedef struct {
 } elmopp_site_verdict_t;
 
 /// The layout of elmopp_junction_t that this firmware reads; the envelope is image.h's.
-#define ELMOPP_SITE_IMAGE_VERSION_NOW 3U
+#define ELMOPP_SITE_IMAGE_VERSION_NOW 4U
 
 /// Ten minutes: no time of a site is longer.
 #define ELMOPP_SITE_TIME_MAX_DS 6000U
@@ -82,6 +84,7 @@ elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction
 elmopp_site_verdict_t elmopp_site_check_approach(const elmopp_junction_t *junction, uint32_t approach);
 elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *junction, uint32_t movement);
 elmopp_site_verdict_t elmopp_site_check_rescue(const elmopp_junction_t *junction, uint32_t movement);
+elmopp_site_verdict_t elmopp_site_check_gives_way(const elmopp_junction_t *junction, uint32_t movement);
 elmopp_site_verdict_t elmopp_site_check_group(const elmopp_junction_t *junction, uint32_t group);
 elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, uint32_t ending, uint32_t starting);
 elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction, uint32_t stage);
