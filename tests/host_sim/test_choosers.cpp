@@ -30,7 +30,8 @@ namespace {
 const std::string all_choosers = "naive, cumulative, pressure, priced, rollout, itlc, oaf, fixed, webster, actuated, "
                                  "max-pressure, longest-queue, max-wave, "
                                  "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
-const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, ann, gcn, oracle";
+const std::string all_forecasts =
+    "none, mean, persistence, ewma, ar8, lstm, nlstm, ann, gcn, lstm-q15, nlstm-q15, oracle";
 
 std::unique_ptr<Plugged> made(const std::string &text, const std::string &profile = "paper") {
     static std::map<std::string, Scenario> scenarios; // they outlive what is made for them
@@ -306,15 +307,49 @@ void test_lists() {
 void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
     const auto found = texts(parse_choosers("all"));
     const std::set<std::string> unique(found.begin(), found.end());
-    const std::set<std::string> expected{
-        "naive:none",          "cumulative:none",    "cumulative:mean",  "cumulative:ewma",    "cumulative:persistence",
-        "cumulative:ar8",      "cumulative:lstm",    "cumulative:nlstm", "cumulative:oracle",  "pressure:none",
-        "itlc:none",           "oaf:none",           "fixed:none",       "webster:none",       "actuated:none",
-        "max-pressure:none",   "longest-queue:none", "max-wave:none",    "max-wave-hold:none", "elmopp-hold:none",
-        "itlc-rounds:none",    "scats:none",         "scoot:none",       "surtrac:none",       "self-control:none",
-        "random:none",         "priced:none",        "rollout:none",     "rollout:mean",       "rollout:ewma",
-        "rollout:persistence", "rollout:ar8",        "rollout:lstm",     "rollout:nlstm",      "rollout:oracle",
-        "cumulative:ann",      "cumulative:gcn",     "rollout:ann",      "rollout:gcn"};
+    const std::set<std::string> expected{"naive:none",
+                                         "cumulative:none",
+                                         "cumulative:mean",
+                                         "cumulative:ewma",
+                                         "cumulative:persistence",
+                                         "cumulative:ar8",
+                                         "cumulative:lstm",
+                                         "cumulative:nlstm",
+                                         "cumulative:oracle",
+                                         "pressure:none",
+                                         "itlc:none",
+                                         "oaf:none",
+                                         "fixed:none",
+                                         "webster:none",
+                                         "actuated:none",
+                                         "max-pressure:none",
+                                         "longest-queue:none",
+                                         "max-wave:none",
+                                         "max-wave-hold:none",
+                                         "elmopp-hold:none",
+                                         "itlc-rounds:none",
+                                         "scats:none",
+                                         "scoot:none",
+                                         "surtrac:none",
+                                         "self-control:none",
+                                         "random:none",
+                                         "priced:none",
+                                         "rollout:none",
+                                         "rollout:mean",
+                                         "rollout:ewma",
+                                         "rollout:persistence",
+                                         "rollout:ar8",
+                                         "rollout:lstm",
+                                         "rollout:nlstm",
+                                         "rollout:oracle",
+                                         "cumulative:ann",
+                                         "cumulative:gcn",
+                                         "rollout:ann",
+                                         "rollout:gcn",
+                                         "cumulative:lstm-q15",
+                                         "rollout:lstm-q15",
+                                         "cumulative:nlstm-q15",
+                                         "rollout:nlstm-q15"};
     TEST_ASSERT_TRUE(unique == expected);
     TEST_ASSERT_EQUAL_UINT(expected.size(), found.size());
     TEST_ASSERT_EQUAL_UINT(expected.size() + 1, parse_choosers("naive,all,naive@frozen").size());
@@ -343,11 +378,18 @@ void test_site_names_its_chooser() {
 }
 
 void test_forecasts_have_the_codes_of_the_core() {
-    const std::vector<std::pair<std::string, int>> codes{
-        {"none", ELMOPP_FORECAST_NONE},   {"mean", ELMOPP_FORECAST_MEAN}, {"persistence", ELMOPP_FORECAST_PERSISTENCE},
-        {"ewma", ELMOPP_FORECAST_EWMA},   {"ar8", ELMOPP_FORECAST_AR8},   {"lstm", ELMOPP_FORECAST_LSTM},
-        {"nlstm", ELMOPP_FORECAST_NLSTM}, {"ann", ELMOPP_FORECAST_ANN},   {"gcn", ELMOPP_FORECAST_GCN},
-        {"oracle", ELMOPP_FORECAST_NONE}};
+    const std::vector<std::pair<std::string, int>> codes{{"none", ELMOPP_FORECAST_NONE},
+                                                         {"mean", ELMOPP_FORECAST_MEAN},
+                                                         {"persistence", ELMOPP_FORECAST_PERSISTENCE},
+                                                         {"ewma", ELMOPP_FORECAST_EWMA},
+                                                         {"ar8", ELMOPP_FORECAST_AR8},
+                                                         {"lstm", ELMOPP_FORECAST_LSTM},
+                                                         {"nlstm", ELMOPP_FORECAST_NLSTM},
+                                                         {"ann", ELMOPP_FORECAST_ANN},
+                                                         {"gcn", ELMOPP_FORECAST_GCN},
+                                                         {"lstm-q15", ELMOPP_FORECAST_LSTM_Q15},
+                                                         {"nlstm-q15", ELMOPP_FORECAST_NLSTM_Q15},
+                                                         {"oracle", ELMOPP_FORECAST_NONE}};
     for (const auto &[name, code] : codes) {
         TEST_ASSERT_EQUAL_UINT_MESSAGE(code, forecast_kind(name), name.c_str());
     }

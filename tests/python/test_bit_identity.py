@@ -89,9 +89,7 @@ def test_sanitizers_find_nothing_and_leave_the_bits(tmp_path: Path, golden: str)
 
 @pytest.mark.parametrize("level", LEVELS)
 @pytest.mark.parametrize("kernels", [PORTABLE_KERNELS, CORTEX_M4_KERNELS], ids=["portable", "cortex-m4"])
-def test_a_cortex_m4_gives_the_same_bits(
-    tmp_path: Path, golden: str, kernels: Sequence[str], level: str
-) -> None:
+def test_a_cortex_m4_gives_the_same_bits(tmp_path: Path, golden: str, kernels: Sequence[str], level: str) -> None:
     assert digest_on_board(tmp_path, kernels, level) == golden
 
 

@@ -96,9 +96,7 @@ def _entry(activation: Activation, index: int) -> int:
     return min(candidates)[1]
 
 
-def _with_slope(
-    activation: Activation, slope: int, points: list[int], wanted: list[float]
-) -> list[tuple[float, int]]:
+def _with_slope(activation: Activation, slope: int, points: list[int], wanted: list[float]) -> list[tuple[float, int]]:
     """Largest error and entry for the values about the middle of what this slope leaves."""
     low_half = slope & 0xFFFF
     rest = [want - low_half - slope * point for want, point in zip(wanted, points, strict=True)]

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 
 from elmopp_tools import site_hours
 from elmopp_tools.site_model import (
-    FORECASTS,
     APPROACH_MAX,
+    FORECASTS,
     GROUP_MAX,
     MOVEMENT_MAX,
     SITE_NAME_SIZE,
