@@ -54,7 +54,7 @@ def two_sines(seed: int) -> Series:
     phases = random.uniform(0.0, 2.0 * np.pi, (2, 4)) + random.uniform(0.0, 2.0 * np.pi, (TRAJECTORIES_EACH, 2, 1))
     second = np.arange(10_000.0)[None, :, None, None]
     waves = amplitudes * np.sin(2.0 * np.pi * second / periods_s + phases[:, None])
-    return np.maximum(1.2 + waves.sum(axis=2), 0.0).astype(np.float32)
+    return np.asarray(np.maximum(1.2 + waves.sum(axis=2), 0.0), dtype=np.float32)
 
 
 def liveliest_starts(series: Series) -> list[int]:
