@@ -150,7 +150,9 @@ void run_once(const RunRequest &request) {
     if (request.weights) {
         weights = read_weights(*request.weights);
         if (!can_forecast(*weights, chooser.forecast)) {
-            throw BadRequest("--weights " + request.weights->string() + ": " + std::to_string(weights->lstm.levels) +
+            const std::string overflow = overflow_of(*weights);
+            throw BadRequest("--weights " + request.weights->string() + ": " +
+                             (overflow.empty() ? "" : overflow + "; ") + std::to_string(weights->lstm.levels) +
                              " level(s) for chooser " + full_name(chooser.label(), chooser.forecast) +
                              "; right would be a chooser with forecast " + networks_in(*weights));
         }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// The forecasts `lstm` and `nlstm`: what the network is shown, how it runs on its own output, when the mean speaks for
-/// it, and the account that is kept of every forecast's error.
+/// The forecasts `lstm` and `nlstm`, in float and in whole numbers: what the network is shown, how it runs on its own
+/// output, when the mean speaks for it, and the account that is kept of every forecast's error.
 
 #include "elmopp/forecast.h"
 #include "elmopp_weights.h"
@@ -118,6 +118,79 @@ static void test_nlstm_absorbs_every_second_and_runs_on_its_own_output(void) {
     expect_like_the_network(&elmopp_weights_nlstm, ELMOPP_FORECAST_NLSTM);
 }
 
+/* The same in whole numbers, made of the same weights. */
+static void expect_like_the_whole_network(const elmopp_weights_t *weights, uint8_t kind) {
+    static const float mean_veh_per_s[4] = {0.5F, 1.0F, 0.25F, 2.0F};
+    static const float least[4] = {0.0F, 0.0F, 0.0F, 0.0F};
+    static elmopp_lstm_q15_weights_t whole;
+    elmopp_lstm_q15_state_t state = {.hidden = {0}};
+    TEST_ASSERT_TRUE(elmopp_lstm_quantize(&weights->lstm, least, weights->high, &whole).made);
+    start(kind, weights, mean_veh_per_s);
+    for (uint32_t n = 0U; n < 70U; n++) {
+        float arrivals_veh[4];
+        float input[4];
+        for (uint32_t i = 0U; i < 4U; i++) {
+            arrivals_veh[i] = some_vehicles();
+            input[i] = held_in(arrivals_veh[i] / mean_veh_per_s[i], weights->low[i], weights->high[i]);
+        }
+        elmopp_forecast_observe(&forecast, arrivals_veh);
+        elmopp_lstm_q15_step(&whole, &state, input);
+    }
+    look(HORIZON);
+    for (uint32_t t = 0U; t < HORIZON; t++) {
+        float said[4];
+        elmopp_lstm_q15_output(&whole, &state, said);
+        for (uint32_t i = 0U; i < 4U; i++) {
+            said[i] = held_in(said[i], weights->low[i], weights->high[i]);
+            TEST_ASSERT_TRUE(said[i] * mean_veh_per_s[i] == rows[i][t]);
+        }
+        elmopp_lstm_q15_step(&whole, &state, said);
+    }
+}
+
+static void test_lstm_q15_runs_on_its_own_output_in_whole_numbers(void) {
+    expect_like_the_whole_network(&elmopp_weights_lstm, ELMOPP_FORECAST_LSTM_Q15);
+}
+
+static void test_nlstm_q15_runs_on_its_own_output_in_whole_numbers(void) {
+    expect_like_the_whole_network(&elmopp_weights_nlstm, ELMOPP_FORECAST_NLSTM_Q15);
+}
+
+static void expect_rows(bool same, const float before[4][HORIZON]) {
+    look(HORIZON);
+    TEST_ASSERT_TRUE(same == (memcmp(before, forecast.row_veh, sizeof(float) * 4U * HORIZON) == 0));
+}
+
+/* What is learnt on the device changes the weights that the forecast points at. */
+static void expect_renewed(uint8_t kind) {
+    static elmopp_weights_t learnt;
+    static float before[4][HORIZON];
+    const bool whole = kind == (uint8_t)ELMOPP_FORECAST_LSTM_Q15;
+    learnt = elmopp_weights_lstm;
+    start(kind, &learnt, NULL);
+    observe_some(100U);
+    look(HORIZON);
+    (void)memcpy(before, forecast.row_veh, sizeof before);
+    learnt.lstm.head_row[3][0] += 0.25F;
+    expect_rows(whole, (const float (*)[HORIZON])before); /* in whole numbers not before it is told */
+    TEST_ASSERT_TRUE(elmopp_forecast_renew(&forecast));
+    expect_rows(false, (const float (*)[HORIZON])before);
+    (void)memcpy(before, forecast.row_veh, sizeof before);
+    learnt.lstm.outer.row[0][0] = NAN;
+    TEST_ASSERT_FALSE(elmopp_forecast_renew(&forecast));
+    TEST_ASSERT_EQUAL_INT(whole ? ELMOPP_FORECAST_READY : ELMOPP_FORECAST_UNARMED, elmopp_forecast_status(&forecast));
+    expect_rows(whole, (const float (*)[HORIZON])before); /* the last good ones, or the mean */
+    learnt.lstm.outer.row[0][0] = elmopp_weights_lstm.lstm.outer.row[0][0];
+    TEST_ASSERT_TRUE(elmopp_forecast_renew(&forecast));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORECAST_READY, elmopp_forecast_status(&forecast));
+    expect_rows(true, (const float (*)[HORIZON])before);
+}
+
+static void test_weights_that_were_learnt_are_used_once_it_is_told(void) {
+    expect_renewed(ELMOPP_FORECAST_LSTM);
+    expect_renewed(ELMOPP_FORECAST_LSTM_Q15);
+}
+
 /* Looking is free of consequences: the memory of what was seen is not what ran ahead. */
 static void test_looking_twice_says_the_same(void) {
     static float before[4][HORIZON];
@@ -156,9 +229,18 @@ static void test_weights_that_cannot_be_used_leave_the_mean_and_are_told(void) {
     expect_unarmed(ELMOPP_FORECAST_LSTM, NULL);
     expect_unarmed(ELMOPP_FORECAST_LSTM, &elmopp_weights_nlstm);
     expect_unarmed(ELMOPP_FORECAST_NLSTM, &elmopp_weights_lstm);
+    expect_unarmed(ELMOPP_FORECAST_LSTM_Q15, NULL);
+    expect_unarmed(ELMOPP_FORECAST_LSTM_Q15, &elmopp_weights_nlstm);
+    expect_unarmed(ELMOPP_FORECAST_NLSTM_Q15, &elmopp_weights_lstm);
     broken = elmopp_weights_lstm;
     broken.lstm.outer.row[3][5] = NAN;
     expect_unarmed(ELMOPP_FORECAST_LSTM, &broken);
+    broken = elmopp_weights_lstm;
+    broken.lstm.outer.bias[5] = 200.0F; /* in float that is a gate that is always open */
+    expect_unarmed(ELMOPP_FORECAST_LSTM_Q15, &broken);
+    start(ELMOPP_FORECAST_LSTM, &broken, NULL);
+    observe_some(100U);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORECAST_READY, elmopp_forecast_status(&forecast));
     broken = elmopp_weights_nlstm;
     broken.lstm.levels = 4U;
     expect_unarmed(ELMOPP_FORECAST_NLSTM, &broken);
@@ -340,6 +422,9 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_lstm_absorbs_every_second_and_runs_on_its_own_output);
     RUN_TEST(test_nlstm_absorbs_every_second_and_runs_on_its_own_output);
+    RUN_TEST(test_lstm_q15_runs_on_its_own_output_in_whole_numbers);
+    RUN_TEST(test_nlstm_q15_runs_on_its_own_output_in_whole_numbers);
+    RUN_TEST(test_weights_that_were_learnt_are_used_once_it_is_told);
     RUN_TEST(test_looking_twice_says_the_same);
     RUN_TEST(test_the_mean_speaks_until_60_seconds_have_been_seen);
     RUN_TEST(test_weights_that_cannot_be_used_leave_the_mean_and_are_told);

@@ -19,18 +19,21 @@
 /* value / 2^bits, rounded down. C leaves open what a shift does to a negative number: shifted is a positive one. */
 static inline int64_t shift_down(int64_t value, uint32_t bits) {
     const uint64_t lift = (uint64_t)1U << LIFT_BITS;
-    const uint64_t lifted = (uint64_t)(value + (int64_t)lift);
-    return (int64_t)(lifted >> bits) - (int64_t)(lift >> bits);
+    const int64_t positive = value + (int64_t)lift;
+    const uint64_t shifted = (uint64_t)positive >> bits;
+    const uint64_t lowered = lift >> bits;
+    return (int64_t)shifted - (int64_t)lowered;
 }
 
 /* The product of two words / 2^bits, rounded to nearest. */
-static inline int32_t scaled(int32_t a, int32_t b, uint32_t bits) {
-    const int64_t half = (int64_t)((uint64_t)1U << (bits - 1U));
-    return (int32_t)shift_down(((int64_t)a * b) + half, bits);
+static inline int32_t product(int32_t a, int32_t b, uint32_t bits) {
+    const uint64_t half = (uint64_t)1U << (bits - 1U);
+    const int64_t exact = (int64_t)a * (int64_t)b;
+    return (int32_t)shift_down(exact + (int64_t)half, bits);
 }
 
 static inline int32_t high(int32_t a, int32_t b) {
-    return scaled(a, b, 32U);
+    return product(a, b, 32U);
 }
 
 /* The lower half of a word, with its sign. */
@@ -44,8 +47,9 @@ static inline int32_t activate(const int32_t table[ELMOPP_LSTM_Q15_TABLE_SIZE], 
     const int32_t low = -ELMOPP_LSTM_Q15_TABLE_ZERO;
     const int32_t stretch = (int32_t)shift_down(reach, STRETCH_BITS);
     const int32_t not_less = (stretch < low) ? low : stretch;
-    const int32_t within = (not_less >= -low) ? (-low - 1) : not_less;
-    const int32_t entry = table[(uint32_t)(within - low)];
+    const int32_t within = (not_less < ELMOPP_LSTM_Q15_TABLE_ZERO) ? not_less : (ELMOPP_LSTM_Q15_TABLE_ZERO - 1);
+    const int32_t index = within - low;
+    const int32_t entry = table[index];
     return entry + (lower_half(entry) * lower_half(reach));
 }
 
@@ -98,8 +102,8 @@ void elmopp_lstm_q15_kernel_inner(const elmopp_lstm_q15_inner_t *band, const int
 void elmopp_lstm_q15_kernel_descend(const int32_t gate[GATES], const int32_t cell[UNITS],
                                     int16_t fed[ELMOPP_LSTM_INNER_ROWS]) {
     for (uint32_t r = 0U; r < UNITS; r++) {
-        fed[r] = (int16_t)scaled(gate[ELMOPP_LSTM_GATE_I + r], gate[ELMOPP_LSTM_GATE_G + r], 47U);
-        fed[UNITS + r] = (int16_t)scaled(gate[ELMOPP_LSTM_GATE_F + r], cell[r], 46U);
+        fed[r] = (int16_t)product(gate[ELMOPP_LSTM_GATE_I + r], gate[ELMOPP_LSTM_GATE_G + r], 47U);
+        fed[UNITS + r] = (int16_t)product(gate[ELMOPP_LSTM_GATE_F + r], cell[r], 46U);
     }
 }
 
@@ -128,6 +132,6 @@ void elmopp_lstm_q15_kernel_release(const int32_t gate[GATES], int32_t back[UNIT
 
 void elmopp_lstm_q15_kernel_hide(const int32_t back[UNITS], int16_t hidden[UNITS]) {
     for (uint32_t r = 0U; r < UNITS; r++) {
-        hidden[r] = (int16_t)scaled(back[r], 1, 15U);
+        hidden[r] = (int16_t)product(back[r], 1, 15U);
     }
 }

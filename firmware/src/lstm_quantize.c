@@ -46,18 +46,6 @@ static float size_of(float value) {
     return elmopp_with_sign(value, 1.0F);
 }
 
-/* Of two sizes, by bits: those of floats without a sign are in their order. */
-static float larger(float one, float other) {
-    uint32_t one_bits;
-    uint32_t other_bits;
-    (void)memcpy(&one_bits, &one, sizeof one_bits);
-    (void)memcpy(&other_bits, &other, sizeof other_bits);
-    const uint32_t bits = (one_bits > other_bits) ? one_bits : other_bits;
-    float result;
-    (void)memcpy(&result, &bits, sizeof result);
-    return result;
-}
-
 static int32_t nearest(float value) {
     return (int32_t)(value + elmopp_with_sign(0.5F, value));
 }
@@ -76,7 +64,7 @@ static void add(row_t *row, float weight) {
     row->weight[row->count] = weight;
     row->count++;
     row->sum += size;
-    row->largest = larger(size, row->largest);
+    row->largest = elmopp_larger(size, row->largest);
 }
 
 /* A row of the outermost level, fed its hidden values, then its inputs. */
@@ -112,7 +100,7 @@ static void take(const elmopp_lstm_f32_weights_t *weights, const inputs_t *input
 
 /* What one step of the row's weights stands for: neither a weight nor their sum may be too large. */
 static float step_of(const row_t *row) {
-    return larger(larger(row->largest / WEIGHT_MAX, row->sum / SUM_GOAL), STEP_MIN);
+    return elmopp_larger(elmopp_larger(row->largest / WEIGHT_MAX, row->sum / SUM_GOAL), STEP_MIN);
 }
 
 /* A sigmoid's table is read with half of what the row says. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// A step of the LSTM, and one of each network that sees windows, takes the same number of instructions, whatever the
+/// A step of the LSTM in float and in whole numbers, quantising it, and one of each network that sees windows, takes the same number of instructions, whatever the
 /// numbers are.
 ///
 /// run_qemu.sh makes one instruction last 64 ns, and the board's SysTick counts at 25 MHz: 8 ticks are exactly 5
@@ -11,6 +11,8 @@
 #include "elmopp/ann_f32.h"
 #include "elmopp/gcn_f32.h"
 #include "elmopp/lstm_f32.h"
+#include "elmopp/lstm_q15.h"
+#include "elmopp/lstm_quantize.h"
 #include "random.h"
 #include "unity.h"
 
@@ -39,6 +41,8 @@ typedef enum {
 static elmopp_lstm_f32_weights_t weights;
 static elmopp_lstm_f32_state_t state;
 static float input[ELMOPP_LSTM_INPUTS];
+static elmopp_lstm_q15_weights_t whole_weights;
+static elmopp_lstm_q15_state_t whole_state;
 static elmopp_ann_f32_weights_t ann;
 static elmopp_gcn_f32_weights_t gcn;
 static elmopp_gcn_f32_graph_t graph;
@@ -208,6 +212,49 @@ static void test_a_step_of_three_levels_takes_the_same_for_all(void) {
     expect_constant_count(3U);
 }
 
+static void whole_step(void) {
+    elmopp_lstm_q15_step(&whole_weights, &whole_state, input);
+}
+
+static void quantize(void) {
+    static const float low[ELMOPP_LSTM_INPUTS] = {-4.0F, -4.0F, -4.0F, -4.0F};
+    static const float high[ELMOPP_LSTM_INPUTS] = {4.0F, 4.0F, 4.0F, 4.0F};
+    (void)elmopp_lstm_quantize(&weights, low, high, &whole_weights);
+}
+
+/* Weights that pass; inputs to beyond their range, cells to the ends of their words. */
+static void expect_constant_whole_count(uint32_t levels) {
+    uint32_t least[2] = {UINT32_MAX, UINT32_MAX};
+    uint32_t most[2] = {0U, 0U};
+    for (uint32_t i = 0U; i < CASES; i++) {
+        static const values_t kinds[] = {VALUES_ORDINARY, VALUES_ZERO, VALUES_TINY};
+        make_weights(levels, kinds[i % 3U]);
+        const uint32_t quantizing = instructions(quantize);
+        TEST_ASSERT_EQUAL_UINT32(levels, whole_weights.levels);
+        fill(input, ELMOPP_LSTM_INPUTS, (values_t)(i % (uint32_t)VALUES_COUNT));
+        for (uint32_t k = 0U; k < (ELMOPP_LSTM_LEVELS_MAX * ELMOPP_LSTM_UNITS); k++) {
+            const uint32_t bits = 1U + random_below(&seed, 31U);
+            const int32_t size = (int32_t)random_below(&seed, ((uint32_t)1U << bits) - 1U);
+            whole_state.cell[k / ELMOPP_LSTM_UNITS][k % ELMOPP_LSTM_UNITS] = ((k % 2U) == 0U) ? size : -size;
+        }
+        const uint32_t stepping = instructions(whole_step);
+        least[0] = (quantizing < least[0]) ? quantizing : least[0];
+        most[0] = (quantizing > most[0]) ? quantizing : most[0];
+        least[1] = (stepping < least[1]) ? stepping : least[1];
+        most[1] = (stepping > most[1]) ? stepping : most[1];
+    }
+    (void)printf("levels %u in whole numbers: %u to %u a step, %u to %u to quantise\n", (unsigned)levels,
+                 (unsigned)least[1], (unsigned)most[1], (unsigned)least[0], (unsigned)most[0]);
+    TEST_ASSERT_EQUAL_UINT32(least[0], most[0]);
+    TEST_ASSERT_EQUAL_UINT32(least[1], most[1]);
+}
+
+static void test_whole_numbers_take_the_same_for_all(void) {
+    for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
+        expect_constant_whole_count(levels);
+    }
+}
+
 static void ann_second(void) {
     elmopp_ann_f32_next(&ann, window, next);
 }
@@ -265,6 +312,7 @@ int main(void) {
     RUN_TEST(test_a_step_of_the_plain_lstm_takes_the_same_for_all);
     RUN_TEST(test_a_step_of_two_levels_takes_the_same_for_all);
     RUN_TEST(test_a_step_of_three_levels_takes_the_same_for_all);
+    RUN_TEST(test_whole_numbers_take_the_same_for_all);
     RUN_TEST(test_a_second_of_the_plain_network_takes_the_same_for_all);
     RUN_TEST(test_a_second_of_the_graph_takes_the_same_for_all_graphs_of_a_size);
     return UNITY_END();

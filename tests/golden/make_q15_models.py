@@ -6,9 +6,10 @@
 tests/golden/make_q15_models.py HOST_SIM     needs ./tools/setup train; HOST_SIM is that of the preset release
 
 Four models are trained on the hyperchaotic inflow, each on trajectories of its own, four on sums of two sines, each on
-periods of its own, all as tools/train trains the shipped LSTM but shorter. With each go ABSORBED_S seconds of traffic that
-it was not trained on, where that moves most. A model whose free run dies down would hide errors: it is refused here, and by the test that
-reads the file. The file is made once: other processors round otherwise, and then the models are others.
+periods of its own, all as tools/train trains the shipped LSTM but shorter. With each go ABSORBED_S seconds of traffic
+that it was not trained on, where that moves most. A model whose free run dies down would hide errors: it is refused
+here, and by the test that reads the file. The file is made once: other processors round otherwise, and then the models
+are others.
 """
 
 from __future__ import annotations
@@ -45,14 +46,15 @@ STARTS_TRIED = 50
 
 def two_sines(seed: int) -> Series:
     """Four inputs of the same two periods, around 1.2. The seed's are periods, amplitudes and how far the inputs are
-    apart, a trajectory's own where each sine begins."""
+    apart, a trajectory's own where each sine begins.
+    """
     random = np.random.default_rng(seed)
     periods_s = np.array([[random.uniform(25.0, 50.0)], [random.uniform(60.0, 110.0)]])
     amplitudes = np.stack([random.uniform(0.5, 0.7, 4), random.uniform(0.3, 0.5, 4)])
     phases = random.uniform(0.0, 2.0 * np.pi, (2, 4)) + random.uniform(0.0, 2.0 * np.pi, (TRAJECTORIES_EACH, 2, 1))
     second = np.arange(10_000.0)[None, :, None, None]
     waves = amplitudes * np.sin(2.0 * np.pi * second / periods_s + phases[:, None])
-    return np.maximum(1.2 + waves.sum(axis=2), 0.0).astype(np.float32)
+    return np.asarray(np.maximum(1.2 + waves.sum(axis=2), 0.0), dtype=np.float32)
 
 
 def liveliest_starts(series: Series) -> list[int]:

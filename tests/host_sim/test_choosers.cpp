@@ -30,7 +30,8 @@ namespace {
 const std::string all_choosers = "naive, cumulative, pressure, priced, rollout, itlc, oaf, fixed, webster, actuated, "
                                  "max-pressure, longest-queue, max-wave, "
                                  "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
-const std::string all_forecasts = "none, mean, persistence, ewma, ar8, lstm, nlstm, ann, gcn, oracle";
+const std::string all_forecasts =
+    "none, mean, persistence, ewma, ar8, lstm, nlstm, ann, gcn, lstm-q15, nlstm-q15, oracle";
 
 std::unique_ptr<Plugged> made(const std::string &text, const std::string &profile = "paper") {
     static std::map<std::string, Scenario> scenarios; // they outlive what is made for them
@@ -348,6 +349,10 @@ void test_all_is_every_chooser_with_every_forecast_that_it_reads() {
                                          "cumulative:gcn",
                                          "rollout:ann",
                                          "rollout:gcn",
+                                         "cumulative:lstm-q15",
+                                         "rollout:lstm-q15",
+                                         "cumulative:nlstm-q15",
+                                         "rollout:nlstm-q15",
                                          "cumulative:lstm-learn",
                                          "cumulative:nlstm-learn",
                                          "cumulative:lstm-literal",
@@ -391,6 +396,8 @@ void test_forecasts_have_the_codes_of_the_core() {
                                                          {"nlstm", ELMOPP_FORECAST_NLSTM},
                                                          {"ann", ELMOPP_FORECAST_ANN},
                                                          {"gcn", ELMOPP_FORECAST_GCN},
+                                                         {"lstm-q15", ELMOPP_FORECAST_LSTM_Q15},
+                                                         {"nlstm-q15", ELMOPP_FORECAST_NLSTM_Q15},
                                                          {"oracle", ELMOPP_FORECAST_NONE},
                                                          {"lstm-learn", ELMOPP_FORECAST_LSTM},
                                                          {"nlstm-learn", ELMOPP_FORECAST_NLSTM},

@@ -21,7 +21,7 @@ from elmopp_tools.inflow_data import EVALUATION_SEED, TRAINING_SEED, VALIDATION_
 ROOT = Path(__file__).resolve().parents[2]
 HOST_SIM = os.environ.get("ELMOPP_HOST_SIM", str(ROOT / "build" / "release" / "bin" / "host_sim"))
 RECURRENT = ("lstm", "nlstm")
-NETWORKS = (*RECURRENT, "ann", "gcn")
+NETWORKS = (*RECURRENT, "lstm-q15", "nlstm-q15", "ann", "gcn")
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +72,9 @@ def test_what_the_documents_say_in_words(accuracy: dict[str, Any]) -> None:
         assert rmse[network]["1"] > rmse["persistence"]["1"]
     for network in NETWORKS:
         assert accuracy["distrusted_share"][network] == 0.0
+    for network in RECURRENT:
+        for seconds, error in rmse[network].items():
+            assert abs(rmse[f"{network}-q15"][seconds] / error - 1.0) < 0.01
     for seconds in ("1", "10"):
         assert rmse["ann"][seconds] < rmse["lstm"][seconds]
     for seconds, least, most in (("30", 1.05, 1.15), ("60", 1.15, 1.3)):

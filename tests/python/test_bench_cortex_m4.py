@@ -4,10 +4,20 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
-from elmopp_tools.bench_cortex_m4 import Count, CountError, WrongCountError, json_text, main, read_counts, table
+from elmopp_tools.bench_cortex_m4 import (
+    Count,
+    CountError,
+    WrongCountError,
+    err60_table,
+    json_text,
+    main,
+    read_counts,
+    table,
+)
 
 KEYS = ["nothing", "thousand", "step", "tick", "step"]
 LINES = ["0 0", "1000 1000", "10 30", "500 700", "12 29"]
@@ -34,8 +44,12 @@ def test_keys_and_counts_that_do_not_pair_are_refused() -> None:
 
 
 def test_the_file_has_the_keys_that_were_agreed_on() -> None:
-    text = json_text({"lstm_f32_step": Count(1, 2, 0)})
-    assert text == '{\n  "lstm_f32_step": {\n    "insn": 1,\n    "model_cycles": 2,\n    "spread": 0\n  }\n}\n'
+    errors = {"ours_f32": 0.25, "ours_q15": 0.5, "ref_16x8": 1.0}
+    assert json.loads(json_text({"lstm_f32_step": Count(1, 2, 0)}, errors)) == {
+        "lstm_f32_step": {"insn": 1, "model_cycles": 2, "spread": 0},
+        "err60": errors,
+    }
+    assert err60_table(errors)[-2:] == ["| `ours_q15` | 0.5 | 0.5 |", "| `ref_16x8` | 1 | 1 |"]
 
 
 def test_the_table_says_the_share_of_a_second_at_168_mhz() -> None:

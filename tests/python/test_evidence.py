@@ -82,3 +82,10 @@ def test_a_room_that_the_report_lacks_and_a_report_without_conditions_are_refuse
         "no condition was counted ; right would be a build with -fcoverage-mcdc",
         "site.c is not in the report ; right would be a test that links it",
     ]
+
+
+def test_a_room_of_data_alone_has_nothing_to_cover() -> None:
+    assert not coverage.has_functions("/* f(x) { */\nconst int t[2] = {\n    1, 2};\n// g() {\n")
+    assert coverage.has_functions("static int f(void) {\n    return 1;\n}\n")
+    bare = {file.stem for file in coverage.ROOMS.glob("*.c") if not coverage.has_functions(file.read_text())}
+    assert bare == {"lstm_q15_table"}

@@ -455,6 +455,8 @@ def test_list_as_json() -> None:
         "nlstm",
         "ann",
         "gcn",
+        "lstm-q15",
+        "nlstm-q15",
         "oracle",
     ]
     assert listed["links"] == ["inproc", "can"]
@@ -783,11 +785,36 @@ def weights(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @pytest.mark.parametrize(
-    ("name", "image"), [("lstm", "lstm"), ("nlstm", "nlstm"), ("ann", "lstm"), ("ann", "nlstm"), ("gcn", "nlstm")]
+    ("name", "image"),
+    [
+        ("lstm", "lstm"),
+        ("nlstm", "nlstm"),
+        ("lstm-q15", "lstm"),
+        ("nlstm-q15", "nlstm"),
+        ("ann", "lstm"),
+        ("ann", "nlstm"),
+        ("gcn", "nlstm"),
+    ],
 )
 def test_weights_from_an_image_are_those_built_in(weights: dict[str, Path], name: str, image: str) -> None:
     arguments = ["--chooser", f"cumulative:{name}", "--seconds", "200"]
     assert log_lines(*arguments, "--weights", str(weights[image])) == log_lines(*arguments)
+
+
+@pytest.mark.parametrize("network", ["lstm", "nlstm"])
+def test_the_arithmetic_is_a_line_of_the_site(tmp_path: Path, network: str) -> None:
+    text = SITES_BY_NAME["four_way"].read_text()
+    logs = {}
+    for arithmetic in ("float", "q15"):
+        file = tmp_path / f"{arithmetic}.toml"
+        lines = f'chooser = "cumulative"\nforecast = "{network}"\narithmetic = "{arithmetic}"'
+        file.write_text(text.replace('chooser = "naive"\nforecast = "none"\narithmetic = "float"', lines))
+        for link in ([], ["--link", "inproc"]):
+            logs[arithmetic, len(link)] = log_lines("--site", str(file), "--seconds", "200", *link)
+    for link in ([], ["--link", "inproc"]):
+        named = ["--site", str(SITES_BY_NAME["four_way"]), "--chooser", f"cumulative:{network}-q15"]
+        assert logs["q15", len(link)] == log_lines(*named, "--seconds", "200", *link)
+    assert logs["float", 0] != logs["q15", 0]
 
 
 def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Path) -> None:
@@ -809,14 +836,31 @@ def test_bad_weights_are_refused_by_name(weights: dict[str, Path], tmp_path: Pat
             assert str(file) in done.stderr
 
 
+def test_weights_of_which_a_row_could_overflow_are_refused_in_whole_numbers(
+    weights: dict[str, Path], tmp_path: Path
+) -> None:
+    """In float they are as good as any."""
+    image = bytearray(weights["lstm"].read_bytes())
+    bias = 16 + 4 * (8 + 11 + 1 + 4 + 64 + 21)  # gate f of unit 5 of the outermost level
+    image[bias : bias + 4] = np.float32(200.0).tobytes()
+    image[12:16] = zlib.crc32(image[16:]).to_bytes(4, "little")
+    file = tmp_path / "steep.elmw"
+    file.write_bytes(image)
+    assert host_sim("run", "--chooser", "cumulative:lstm", "--seconds", "5", "--weights", str(file)).returncode == 0
+    done = host_sim("run", "--chooser", "cumulative:lstm-q15", "--seconds", "5", "--weights", str(file))
+    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
+    assert "level 0, gate f of unit 5 could reach " in done.stderr
+    assert "less than 128" in done.stderr
+
+
 @pytest.mark.parametrize("chooser", ["naive", "cumulative:ar8", "cumulative:nlstm"])
 def test_weights_for_a_chooser_that_cannot_use_them_are_refused(weights: dict[str, Path], chooser: str) -> None:
     done = host_sim("run", "--chooser", chooser, "--weights", str(weights["lstm"]))
     assert done.returncode == 2
-    assert "right would be a chooser with forecast lstm, ann or gcn" in done.stderr
+    assert "right would be a chooser with forecast lstm, lstm-q15, ann or gcn" in done.stderr
 
 
-@pytest.mark.parametrize("network", ["lstm", "ann", "gcn"])
+@pytest.mark.parametrize("network", ["lstm", "lstm-q15", "ann", "gcn"])
 def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path: Path, network: str) -> None:
     """Vehicles one by one, at random, as on a street: the mean is the best that can be said, and is what is used."""
     rng = np.random.default_rng(4)
@@ -1054,6 +1098,8 @@ def digests() -> dict[str, str]:
             "cumulative:mean",
             "cumulative:lstm",
             "cumulative:nlstm",
+            "cumulative:lstm-q15",
+            "cumulative:nlstm-q15",
             "cumulative:ann",
             "cumulative:gcn",
             "pressure",

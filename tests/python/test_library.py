@@ -130,7 +130,9 @@ def image_of(network: str) -> bytes:
     return weights_image.image_bytes(network_of(tensors, network))
 
 
-@pytest.mark.parametrize(("network", "forecast"), [("lstm", "lstm"), ("lstm", "ann"), ("nlstm", "gcn")])
+@pytest.mark.parametrize(
+    ("network", "forecast"), [("lstm", "lstm"), ("lstm", "lstm-q15"), ("lstm", "ann"), ("nlstm", "gcn")]
+)
 def test_weights_serve_every_network_that_is_in_them(network: str, forecast: str) -> None:
     with CoreJunction(IMAGE, f"rollout:{forecast}", weights=image_of(network)) as junction:
         junction.count([1.0] * junction.shape.movements, [0.1] * junction.shape.movements)
@@ -139,7 +141,9 @@ def test_weights_serve_every_network_that_is_in_them(network: str, forecast: str
 
 
 def test_weights_of_another_recurrent_network_are_refused() -> None:
-    with pytest.raises(LibraryError, match="networks for the forecasts nlstm, ann or gcn, the forecast is lstm"):
+    with pytest.raises(
+        LibraryError, match="networks for the forecasts nlstm, nlstm-q15, ann or gcn, the forecast is lstm"
+    ):
         CoreJunction(IMAGE, "cumulative:lstm", weights=image_of("nlstm"))
 
 

@@ -173,7 +173,18 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
         ["discharge", "greenshields", "saturation"],
     ),
     "unknown discharge": ("reach_m = 75", 'reach_m = 75\ndischarge = "x"', ["discharge", '"x"', "greenshields"]),
-    "q15": ("reach_m = 75", 'reach_m = 75\narithmetic = "q15"', ["arithmetic", '"q15"', 'only "float" is built']),
+    "q15 without a network": (
+        "reach_m = 75",
+        'reach_m = 75\narithmetic = "q15"',
+        ["forecast none has no arithmetic q15", '"lstm" or "nlstm"'],
+    ),
+    "q15 of a network that sees windows": (
+        '"none"',
+        '"ann"\narithmetic = "q15"',
+        ["forecast ann has no arithmetic q15", '"lstm" or "nlstm"'],
+    ),
+    "unknown arithmetic": ("reach_m = 75", 'reach_m = 75\narithmetic = "q7"', ["arithmetic", '"q7"', "float, q15"]),
+    "arithmetic in the forecast's name": ('"none"', '"lstm-q15"', ["forecast", '"lstm-q15"', "nlstm"]),
     "no free flow": ("reach_m = 75", 'reach_m = 75\ndischarge = "nolock"', ["free_flow_m_per_s", "0.0"]),
     "idle free flow": ("reach_m = 75", "reach_m = 75\nfree_flow_m_per_s = 10", ["free_flow_m_per_s", "10.0"]),
     "no reach": ("reach_m = 75", "reach_m = 0", ["reach_m is too small", "(0)", "at least 1"]),
@@ -494,6 +505,18 @@ def test_limits_are_accepted_on_their_good_side(tmp_path: Path) -> None:
         assert main([str(write_site(tmp_path, changed(old, new)))]) == 0, new
 
 
+@pytest.mark.parametrize(
+    ("forecast", "arithmetic", "code"), [("lstm", "float", 5), ("lstm", "q15", 9), ("nlstm", "q15", 10)]
+)
+def test_arithmetic_names_the_firmware_s_forecast(tmp_path: Path, forecast: str, arithmetic: str, code: int) -> None:
+    text = GOOD.replace('"none"', f'"{forecast}"\narithmetic = "{arithmetic}"', 1)
+    c_file, image = tmp_path / "site.c", tmp_path / "site.bin"
+    assert main([str(write_site(tmp_path, text)), "--c", str(c_file), "--image", str(image)]) == 0
+    suffix = "" if arithmetic == "float" else "_Q15"
+    assert f".forecast = ELMOPP_FORECAST_{forecast.upper()}{suffix}," in c_file.read_text()
+    assert image.read_bytes()[16 + site_model.SITE_NAME_SIZE + 7] == code
+
+
 def test_simulation_only_site_may_have_zero_times(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = re.sub(r"(amber_s|a|b) = (3\.5|[13]|\{ [ab] = [56]0 \})\n", zero_time, GOOD)
     text = re.sub(r"min_green_s = .", "min_green_s = 1", text)
@@ -695,8 +718,11 @@ def test_bounds_and_codes_are_those_of_the_headers() -> None:
     assert group["flash"]["enum"] == list(site_model.FLASHES)
     for key in ["discharge", "chooser", "forecast"]:
         codes = re.findall(rf"ELMOPP_{key.upper()}_(\w+) = (\d+)", junction)
-        names = [name.lower() for name, code in sorted(codes, key=lambda item: int(item[1])) if name != "COUNT"]
-        assert names == properties[key]["enum"] == list(getattr(site_model, f"{key.upper()}S"))
+        words = [name for name, code in sorted(codes, key=lambda item: int(item[1])) if name != "COUNT"]
+        names = [word.lower().replace("_", "-") for word in words]
+        assert names == list(getattr(site_model, f"{key.upper()}S"))
+        # A forecast in whole numbers is the site's forecast and its arithmetic.
+        assert properties[key]["enum"] == [name for name in names if not name.endswith("-q15")]
 
 
 @pytest.mark.parametrize("path", SITES, ids=lambda path: path.stem)

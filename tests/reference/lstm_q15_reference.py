@@ -45,7 +45,7 @@ def lower_half(words: Whole) -> Whole:
 
 def activate(table: Whole, reach: Whole) -> Whole:
     entry = table[ZERO_ENTRY + np.clip(reach >> 15, -512, 511)]
-    return entry + lower_half(entry) * lower_half(reach)
+    return np.asarray(entry + lower_half(entry) * lower_half(reach))
 
 
 def high(a: Whole, b: Whole) -> Whole:

@@ -30,7 +30,9 @@ MINUTES = ("1", "15", "60")
 FORECASTS = {
     "oracle": "`oracle`: what comes",
     "nlstm": "`nlstm`: three levels, stateful, shipped",
+    "nlstm-q15": "`nlstm-q15`: the same in whole numbers",
     "lstm": "`lstm`: one level, stateful, shipped",
+    "lstm-q15": "`lstm-q15`: the same in whole numbers",
     "ann": "`ann`: a plain network over windows of 16 s, shipped",
     "gcn": "`gcn`: a convolution over the graph of approaches, windows of 32 s, shipped",
     "paper": "the paper's variant: one level, windows of 8 s, trained on each trial",

@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PLUGIN = ROOT / "tools" / "cortex_m4" / "count_plugin.c"
 RUN_QEMU = ROOT / "tests" / "board" / "run_qemu.sh"
 PROGRAM = ROOT / "build" / "cortex-m4" / "bin" / "tests" / "count_work"
+PROBE = "lstm_q15_probe"  # beside the program
 LOG = ROOT / "build" / f"{TOOL}.log"
 SECONDS_MOST = 120
 CLOCK_HZ = 168e6
@@ -35,7 +36,11 @@ compared with silicon. What is counted, and over which inputs, is said at the to
   insn          the most over all inputs
   model_cycles  the most over all inputs
   spread        the most less the fewest instructions
-  of a second   model cycles at 168 MHz"""
+  of a second   model cycles at 168 MHz
+
+And the error of a free run over 60 steps (err60): the largest difference of any output from the same run in double
+precision, the median over the models of tests/golden/q15_models.safetensors, of the float and the whole-number LSTM as
+the board computes them (tests/lstm_q15_probe.c) and of a NumPy simulation of 16x8 (tools/elmopp_tools/err60.py)."""
 
 EPILOG = """\
 Exit codes: 0 counted; 1 the counting itself is wrong (two marks, and a thousand instructions, did not count as 0 and
@@ -66,14 +71,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        counts = _run(options)
+        counts, err60 = _run(options)
     except CountError as error:
         say(TOOL, str(error))
         return EXIT_REFUSED
     except WrongCountError as error:
         say(TOOL, str(error))
         return 1
-    print("\n".join(table(counts)))
+    print("\n".join([*table(counts), "", *err60_table(err60)]))
     return EXIT_DONE
 
 
@@ -85,32 +90,35 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
         allow_abbrev=False,
     )
-    parser.add_argument("--json", metavar="FILE", type=Path, help="write all counts to this file")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write all counts and errors to this file")
     parser.add_argument(
         "--program",
         metavar="FILE",
         type=Path,
-        help="count_work, built by somebody else; without it the preset cortex-m4 builds it",
+        help=f"count_work, built by somebody else, {PROBE} beside it; without it the preset cortex-m4 builds both",
     )
     return parser
 
 
-def _run(options: argparse.Namespace) -> dict[str, Count]:
+def _run(options: argparse.Namespace) -> tuple[dict[str, Count], dict[str, float]]:
     reason = options.json and why_not_writable(options.json)
     if reason:
         raise CountError(f"--json {options.json}: {reason[0]} ; {reason[1]}")
-    if options.program is not None and not options.program.is_file():
-        raise CountError(f"--program {options.program}: there is no such file ; leave it out to build one")
-    counts = count(options.program or _build())
+    for file in (options.program, options.program.with_name(PROBE)) if options.program else ():
+        if not file.is_file():
+            raise CountError(f"--program {options.program}: there is no file {file} ; leave it out to build one")
+    program = options.program or _build()
+    counts = count(program)
+    err60 = measure_err60(program.with_name(PROBE))
     if options.json:
-        write({options.json: json_text(counts).encode()})
-    return counts
+        write({options.json: json_text(counts, err60).encode()})
+    return counts, err60
 
 
 def _build() -> Path:
     commands = (
         ["cmake", "--preset", "cortex-m4"],
-        ["cmake", "--build", "--preset", "cortex-m4", "--target", "count_work"],
+        ["cmake", "--build", "--preset", "cortex-m4", "--target", "count_work", PROBE],
     )
     LOG.parent.mkdir(exist_ok=True)
     with LOG.open("w", encoding="utf-8") as log:
@@ -129,6 +137,23 @@ def count(program: Path) -> dict[str, Count]:
         _say_if_failed(["cc", "-std=c11", "-O2", "-shared", "-fPIC", str(PLUGIN), "-o", str(plugin)], {})
         keys = _say_if_failed([str(RUN_QEMU), str(program)], {"QEMU_PLUGIN": f"{plugin},out={counted}"})
         return read_counts(keys.splitlines(), counted.read_text(encoding="utf-8").splitlines())
+
+
+def measure_err60(probe: Path) -> dict[str, float]:
+    """Runs every fixed model on the emulated board."""
+    from elmopp_tools import err60  # needs an environment that tools/budget does without
+
+    each = []
+    with tempfile.TemporaryDirectory() as name:
+        for model in err60.read_models():
+            file = Path(name) / f"{model.name}.bin"
+            file.write_bytes(model.record())
+            command = [str(RUN_QEMU), str(probe), str(file)]
+            done = subprocess.run(command, capture_output=True, timeout=SECONDS_MOST, check=False)
+            if done.returncode != 0:
+                raise CountError(f"{' '.join(command)} ended with {done.returncode}: {done.stderr.decode().strip()}")
+            each.append(err60.errors(model, done.stdout))
+    return err60.medians(each)
 
 
 def _say_if_failed(command: Sequence[str], environment: dict[str, str]) -> str:
@@ -171,8 +196,15 @@ def _summary(values: Iterable[tuple[int, int]]) -> Count:
     return Count(max(insns), max(cycles), max(insns) - min(insns))
 
 
-def json_text(counts: dict[str, Count]) -> str:
-    return json.dumps({key: asdict(value) for key, value in counts.items()}, indent=2) + "\n"
+def json_text(counts: dict[str, Count], err60: dict[str, float]) -> str:
+    return json.dumps({**{key: asdict(value) for key, value in counts.items()}, "err60": err60}, indent=2) + "\n"
+
+
+def err60_table(err60: dict[str, float]) -> list[str]:
+    """A table of Markdown, one row an arithmetic."""
+    lines = ["| err60 | median | of 16x8 |", "| --- | ---: | ---: |"]
+    lines += [f"| `{name}` | {value:.3g} | {value / err60['ref_16x8']:.3g} |" for name, value in err60.items()]
+    return lines
 
 
 def table(counts: dict[str, Count]) -> list[str]:

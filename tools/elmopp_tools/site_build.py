@@ -14,8 +14,8 @@ from dataclasses import replace
 
 from elmopp_tools import site_hours
 from elmopp_tools.site_model import (
-    FORECASTS,
     APPROACH_MAX,
+    FORECASTS,
     GROUP_MAX,
     MOVEMENT_MAX,
     SITE_NAME_SIZE,

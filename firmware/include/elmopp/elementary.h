@@ -52,8 +52,9 @@ static inline float elmopp_within(float value, float low, float high) {
     return (value > low) ? elmopp_lesser(value, high) : low;
 }
 
-/// The size of one number with the sign of another, and a number held within +-limit (limit >= 0): by bits, as a
-/// comparison of floats may be a branch on a Cortex-M4. A NaN is taken as the limit with the NaN's sign.
+/// The size of one number with the sign of another; a number held within +-limit (limit >= 0), a NaN taken as the limit
+/// with the NaN's sign; and the larger of two sizes (>= 0), a NaN larger than all. By bits, which of one sign are in
+/// their numbers' order: a comparison of floats may be a branch on a Cortex-M4.
 static inline float elmopp_with_sign(float size, float sign) {
     uint32_t bits;
     uint32_t sign_bits;
@@ -71,6 +72,17 @@ static inline float elmopp_bounded(float x, float limit) {
     (void)memcpy(&limit_bits, &limit, sizeof limit_bits);
     const uint32_t size = bits & 0x7FFFFFFFU;
     bits = (bits & 0x80000000U) | ((size < limit_bits) ? size : limit_bits);
+    float result;
+    (void)memcpy(&result, &bits, sizeof result);
+    return result;
+}
+
+static inline float elmopp_larger(float one, float other) {
+    uint32_t one_bits;
+    uint32_t other_bits;
+    (void)memcpy(&one_bits, &one, sizeof one_bits);
+    (void)memcpy(&other_bits, &other, sizeof other_bits);
+    const uint32_t bits = (one_bits > other_bits) ? one_bits : other_bits;
     float result;
     (void)memcpy(&result, &bits, sizeof result);
     return result;
