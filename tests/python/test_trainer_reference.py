@@ -129,7 +129,8 @@ def test_the_reference_agrees_with_central_differences_in_every_parameter(levels
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("levels", LEVELS)
 @pytest.mark.parametrize(
-    ("fed", "unscored", "inputs", "steps"), [(10, 4, 4, 30), (30, 0, 4, 30), (1, 0, 3, 30), (30, 29, 4, 30), (1, 0, 1, 1)]
+    ("fed", "unscored", "inputs", "steps"),
+    [(10, 4, 4, 30), (30, 0, 4, 30), (1, 0, 3, 30), (30, 29, 4, 30), (1, 0, 1, 1)],
 )
 def test_every_slope_is_the_references(
     tmp_path: Path, levels: int, seed: int, fed: int, unscored: int, inputs: int, steps: int

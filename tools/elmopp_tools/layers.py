@@ -20,7 +20,19 @@ EXIT_REFUSED = 2
 ROOT = Path(__file__).resolve().parents[2]
 
 LEVEL_0 = frozenset(
-    {"assert", "bounds", "chooser", "elementary", "fault", "image", "junction", "lamps", "lstm_kernel", "mode", "trainer_kernel"}
+    {
+        "assert",
+        "bounds",
+        "chooser",
+        "elementary",
+        "fault",
+        "image",
+        "junction",
+        "lamps",
+        "lstm_kernel",
+        "mode",
+        "trainer_kernel",
+    }
 )
 
 # The arithmetic behind the forecasts that learn, on level 1.
