@@ -14,6 +14,11 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
         LABELS sim golden generated TIMEOUT 300)
     set_tests_properties(test_accuracy PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
 
+    elmopp_add_python_test(NAME test_learning
+        COMMAND -m pytest -q tests/python/test_learning.py
+        LABELS sim TIMEOUT 300)
+    set_tests_properties(test_learning PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
+
     # Needs ./tools/setup train, which tools/check --all calls.
     elmopp_add_python_test(NAME test_train
         COMMAND -m pytest -q tests/python/test_train.py

@@ -31,7 +31,8 @@ const std::string all_choosers = "naive, cumulative, pressure, priced, rollout, 
                                  "max-pressure, longest-queue, max-wave, "
                                  "max-wave-hold, elmopp-hold, itlc-rounds, scats, scoot, surtrac, self-control, random";
 const std::string all_forecasts =
-    "none, mean, persistence, ewma, ar8, lstm, nlstm, ann, gcn, lstm-q15, nlstm-q15, oracle";
+    "none, mean, persistence, ewma, ar8, lstm, nlstm, ann, gcn, lstm-q15, nlstm-q15, oracle, "
+    "lstm-learn, nlstm-learn, lstm-literal";
 
 std::unique_ptr<Plugged> made(const std::string &text, const std::string &profile = "paper") {
     static std::map<std::string, Scenario> scenarios; // they outlive what is made for them

@@ -85,6 +85,15 @@ def test_what_the_documents_say_in_words(accuracy: dict[str, Any]) -> None:
         assert abs(rmse["nlstm"][seconds] / rmse["lstm"][seconds] - 1.0) < most
 
 
+def test_learning_on_is_no_worse_and_the_papers_way_ruins_the_forecast(accuracy: dict[str, Any]) -> None:
+    rmse = accuracy["rmse"]
+    for seconds in ("1", "10", "30", "60"):
+        assert rmse["lstm-learn"][seconds] < 1.02 * rmse["lstm"][seconds]
+    for seconds in ("30", "60"):
+        assert rmse["lstm-literal"][seconds] > 6.0 * rmse["lstm"][seconds]
+        assert rmse["lstm-literal"][seconds] > rmse["mean"][seconds]
+
+
 def test_no_evaluation_sees_a_training_seed(accuracy: dict[str, Any]) -> None:
     assert accuracy["seed"] == EVALUATION_SEED
     assert len({EVALUATION_SEED, TRAINING_SEED, VALIDATION_SEED}) == 3

@@ -33,6 +33,7 @@ FORECASTS = {
     "nlstm-q15": "`nlstm-q15`: the same in whole numbers",
     "lstm": "`lstm`: one level, stateful, shipped",
     "lstm-q15": "`lstm-q15`: the same in whole numbers",
+    "lstm-learn": "`lstm-learn`: the same, which learns on while it runs",
     "ann": "`ann`: a plain network over windows of 16 s, shipped",
     "gcn": "`gcn`: a convolution over the graph of approaches, windows of 32 s, shipped",
     "paper": "the paper's variant: one level, windows of 8 s, trained on each trial",
@@ -40,6 +41,7 @@ FORECASTS = {
     "persistence": "`persistence`",
     "ewma": "`ewma`",
     "mean": "`mean`",
+    "lstm-literal": "`lstm-literal`: `lstm`, trained on as the paper has it",
 }
 LONG_FORECASTS = {
     "lstm1": "one level",

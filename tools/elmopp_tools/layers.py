@@ -151,7 +151,7 @@ ROOMS["station"] = ROOMS["controller"] | {
 SYSTEM_HEADERS = frozenset({"assert.h", "stdbool.h", "stddef.h", "stdint.h", "string.h"})
 
 # What a rival may include with quotes, beside the headers of its own folder but for those of the naming.
-RIVALS_HEADERS = frozenset({"core.hpp", "elmopp/bounds.h", "elmopp/chooser.h", "elmopp/junction.h"})
+RIVALS_HEADERS = frozenset({"learning.hpp", "core.hpp", "elmopp/bounds.h", "elmopp/chooser.h", "elmopp/junction.h"})
 # Who knows all rivals by name, and the headers of host_files that he may include for it.
 NAMING = frozenset({"choosers", "making"})
 NAMING_HEADERS = RIVALS_HEADERS | {"csv.hpp", "error.hpp"}
