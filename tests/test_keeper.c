@@ -470,6 +470,7 @@ static void test_a_flood_of_segments_is_counted_and_answered_with_a_report_a_tic
         tick();
     }
     TEST_ASSERT_EQUAL_UINT32(100U, reports);
+    TEST_ASSERT_EQUAL_UINT32(100U, busy_reports); /* for all the others of a tick */
     TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, bench.controller.mode);
 }
 

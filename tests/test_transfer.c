@@ -213,6 +213,11 @@ static void test_every_report_comes_back_as_it_was_made(void) {
         }
     }
     elmopp_transfer_report_t none;
+    static const uint8_t unknown[3][2] = {{0x13U, 0U}, {0x71U, 0U}, {0x11U, 18U}}; /* kind, state, reason */
+    for (uint32_t i = 0U; i < 3U; i++) {
+        const elmopp_frame_t frame = {SEGMENTS_ACK, 8U, {0x07U, unknown[i][0], unknown[i][1], 0U, 0U, 0U, 0U, 0U}};
+        TEST_ASSERT_FALSE(elmopp_transfer_read_report(&frame, &none));
+    }
     begin(IMAGE_BYTES);
     go_on(IMAGE_BYTES, 1U, ELMOPP_TRANSFER_BLOCK);
     TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_TAKEN, offer(IMAGE_BYTES, ELMOPP_TRANSFER_BLOCK));

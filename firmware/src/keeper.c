@@ -179,8 +179,9 @@ static void refuse_now(elmopp_keeper_t *self, const elmopp_controller_t *control
     }
 }
 
+/* Looking for room takes a while: once a tick, however many would like to begin. */
 static void take_first(elmopp_keeper_t *self, const elmopp_controller_t *controller, const elmopp_frame_t *frame) {
-    if (is_busy(self)) {
+    if (is_busy(self) || self->news) {
         self->second = true;
         count_refused(self);
         return;
@@ -358,26 +359,35 @@ static elmopp_keeper_change_t go_on_storing(elmopp_keeper_t *self, const elmopp_
     return change;
 }
 
-elmopp_transfer_reason_t elmopp_keeper_save(elmopp_keeper_t *self, const elmopp_controller_t *controller,
-                                            const elmopp_weights_t *weights) {
-    elmopp_transfer_reason_t reason = why_not(self, controller, ELMOPP_TRANSFER_WEIGHTS);
+/* What is quickly said comes first: a learner may ask in every tick. */
+static elmopp_transfer_reason_t why_not_save(const elmopp_keeper_t *self, const elmopp_controller_t *controller,
+                                             const elmopp_weights_t *weights) {
+    elmopp_transfer_reason_t reason = ELMOPP_TRANSFER_NO_REASON;
     if (is_busy(self)) {
         reason = ELMOPP_TRANSFER_BUSY;
+    } else if ((self->quiet_ds / DS_PER_S) < self->config.save_min_s) {
+        reason = ELMOPP_TRANSFER_TOO_SOON;
     } else if (elmopp_weights_check(weights) != ELMOPP_WEIGHTS_OK) {
         reason = ELMOPP_TRANSFER_CONTENT;
     } else if (!elmopp_forecast_fits(controller->pilot.forecast.config.kind, weights)) {
         reason = ELMOPP_TRANSFER_NETWORK;
-    } else if ((self->quiet_ds / DS_PER_S) < self->config.save_min_s) {
-        reason = ELMOPP_TRANSFER_TOO_SOON;
-    } else if (reason == ELMOPP_TRANSFER_NO_REASON) {
+    } else {
+        reason = why_not(self, controller, ELMOPP_TRANSFER_WEIGHTS);
+    }
+    return reason;
+}
+
+elmopp_transfer_reason_t elmopp_keeper_save(elmopp_keeper_t *self, const elmopp_controller_t *controller,
+                                            const elmopp_weights_t *weights) {
+    const elmopp_transfer_reason_t reason = why_not_save(self, controller, weights);
+    if (reason == ELMOPP_TRANSFER_NO_REASON) {
         (void)memcpy(&buffer_of(self)[ELMOPP_IMAGE_HEADER], (const uint8_t *)weights, sizeof *weights);
         elmopp_image_seal(elmopp_weights_kind(), buffer_of(self));
         self->told.kind = ELMOPP_TRANSFER_WEIGHTS;
         self->learned = true;
         self->quiet_ds = 0U;
-        ELMOPP_ASSERT(begin_storing(self));
-    } else {
-        /* as it is */
+        const bool begun = begin_storing(self);
+        ELMOPP_ASSERT(begun);
     }
     return reason;
 }

@@ -152,6 +152,10 @@ bool elmopp_transfer_read_report(const elmopp_frame_t *frame, elmopp_transfer_re
     }
     const uint32_t kind = (uint32_t)frame->data[1] & LOW;
     const uint32_t state = (uint32_t)frame->data[1] >> NIBBLE;
+    if ((kind > (uint32_t)ELMOPP_TRANSFER_SITE) || (state > (uint32_t)ELMOPP_TRANSFER_WITHDRAWN) ||
+        (frame->data[2] > (uint8_t)ELMOPP_TRANSFER_TOO_SOON)) {
+        return false;
+    }
     *report = (elmopp_transfer_report_t){.kind = (elmopp_transfer_kind_t)kind,
                                          .state = (elmopp_transfer_state_t)state,
                                          .reason = (elmopp_transfer_reason_t)frame->data[2],

@@ -191,7 +191,7 @@ void test_a_refusal_or_withdrawal_is_said_in_words_and_ends_it_at_once() {
         TEST_ASSERT_TRUE(bus.sender.state() == State::failed);
         TEST_ASSERT_EQUAL_UINT(frames, bus.receiver.frames);
         bus.expect_said("weights: refused, ");
-        TEST_ASSERT_NULL(std::strstr(bus.sender.said().c_str(), "does not know"));
+        TEST_ASSERT_TRUE(bus.sender.said().size() > std::strlen("weights: refused, ") + 3);
     }
     Bus bus(2228, true);
     bus.until(State::waiting, 5000);
@@ -257,17 +257,19 @@ void test_another_receivers_flow_control_is_heeded() {
     full.expect_said("no room");
 }
 
-void test_any_numbers_in_a_report_have_words() {
-    for (unsigned state = 0; state < 16; ++state) {
-        for (unsigned reason = 0; reason < 256; ++reason) {
-            elmopp_transfer_report_t report{};
-            report.kind = static_cast<elmopp_transfer_kind_t>(state % 4);
-            report.state = static_cast<elmopp_transfer_state_t>(state);
-            report.reason = static_cast<elmopp_transfer_reason_t>(reason);
-            report.first = static_cast<std::uint8_t>(255 - reason);
-            report.second = 255;
-            const std::string words = elmopp::in_words(report);
-            TEST_ASSERT_TRUE(words.size() > 10 && words.find('\n') == std::string::npos);
+void test_every_report_has_words_whatever_it_names() {
+    for (unsigned state = 0; state <= ELMOPP_TRANSFER_WITHDRAWN; ++state) {
+        for (unsigned reason = 0; reason <= ELMOPP_TRANSFER_TOO_SOON; ++reason) {
+            for (unsigned named = 0; named < 256; ++named) {
+                elmopp_transfer_report_t report{};
+                report.kind = static_cast<elmopp_transfer_kind_t>(named % 3);
+                report.state = static_cast<elmopp_transfer_state_t>(state);
+                report.reason = static_cast<elmopp_transfer_reason_t>(reason);
+                report.first = static_cast<std::uint8_t>(named);
+                report.second = static_cast<std::uint8_t>(255 - named);
+                const std::string words = elmopp::in_words(report);
+                TEST_ASSERT_TRUE(words.size() > 10 && words.find('\n') == std::string::npos);
+            }
         }
     }
 }
@@ -284,6 +286,6 @@ int main() {
     RUN_TEST(test_who_comes_while_somebody_else_sends_waits_for_nothing_and_sends_nothing);
     RUN_TEST(test_who_was_let_go_on_does_not_mind_that_somebody_else_is_refused);
     RUN_TEST(test_another_receivers_flow_control_is_heeded);
-    RUN_TEST(test_any_numbers_in_a_report_have_words);
+    RUN_TEST(test_every_report_has_words_whatever_it_names);
     return UNITY_END();
 }

@@ -14,8 +14,10 @@ import os
 import re
 import signal
 import statistics
+import struct
 import subprocess
 import time
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,6 +103,40 @@ def street() -> Iterator[subprocess.Popen[str]]:
         ) as simulator:
             yield simulator
             simulator.kill()
+
+
+@dataclass
+class Replacement:
+    """A junction to which other weights are sent: a trial takes five minutes, beside everything else."""
+
+    bus: Bus
+    program: Program
+    sender: Program
+    store: Path
+    weights_id: int
+
+
+def other_weights(folder: Path) -> tuple[Path, int]:
+    """Good weights that are not the shipped ones, and the id that a controller gives them."""
+    image = bytearray(Path(os.environ["ELMOPP_WEIGHTS"]).read_bytes())
+    struct.pack_into("<f", image, len(image) - 4, struct.unpack_from("<f", image, len(image) - 4)[0] / 2 + 0.125)
+    struct.pack_into("<I", image, 12, zlib.crc32(image[16:]))
+    file = folder / "other.bin"
+    file.write_bytes(image)
+    return file, ~zlib.crc32(image[16:]) & 0xFFF
+
+
+@pytest.fixture(scope="session", autouse=True)
+def replacement(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Replacement]:
+    """Somebody sends weights and waits until they are kept."""
+    folder = tmp_path_factory.mktemp("replacement")
+    file, weights_id = other_weights(folder)
+    store = folder / "store"
+    store.mkdir()
+    with interface("keep0") as name, lamp_node(name), controller(name, "--store", str(store)) as program:
+        bus = Bus(name, STATUS)
+        with Program("elmopp-send", "--can", name, "--weights", str(file), "--until-kept") as sender:
+            yield Replacement(bus, program, sender, store, weights_id)
 
 
 # --- in lockstep ---
@@ -389,3 +425,30 @@ def test_a_simulated_street_in_real_time_has_figures_of_its_own(street: subproce
     assert street.returncode == 0, said
     (OUT / "street.txt").write_text(said)
     assert '"seconds": 60' in said
+
+
+# --- other weights, another site ---
+
+
+def send(name: str, *words: str) -> subprocess.CompletedProcess[str]:
+    """elmopp-send, to its end."""
+    command = [str(PROGRAMS / "elmopp-send"), "--can", name, *words]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60, cwd=ROOT)
+
+
+def test_weights_that_were_sent_are_kept_and_a_site_is_not_taken_from_the_bus_alone(replacement: Replacement) -> None:
+    assert replacement.sender.ends(seconds=400.0) == 0, replacement.sender.text()
+    assert "weights: on trial, " in replacement.sender.text()
+    assert "weights: kept: it outlives a reset" in replacement.sender.text()
+    replacement.bus.clear()
+    status = replacement.bus.mode(STEADY)
+    assert (status.weights_id, status.fault) == (replacement.weights_id, "none")
+    assert len(list(replacement.store.glob("weights.*"))) == 1
+    refusal = send("keep0", "--site", SITE)
+    assert refusal.returncode == 1
+    assert "site: refused, a site is taken only while the local key is held" in refusal.stderr
+    replacement.program.stop()
+    with controller("keep0", "--store", str(replacement.store)) as again:
+        again.says("the weights are those that were kept")
+        assert replacement.bus.mode("starting").weights_id == replacement.weights_id
+    assert "no controller answers" in send("keep0", "--site", SITE).stderr

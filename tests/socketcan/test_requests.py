@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from bus import SITE, refused
 
@@ -40,3 +42,24 @@ def test_a_page_without_a_bus() -> None:
 def test_what_does_not_break(text: str) -> None:
     said = refused("elmopp-lamp-node", "--can", "vcan77", "--site", SITE, "--break", text)
     assert "--break" in said and "right would be" in said
+
+
+def test_a_store_that_is_no_folder(tmp_path: Path) -> None:
+    said = refused("elmopp-controller", "--can", "vcan77", "--site", SITE, "--store", str(tmp_path / "none"))
+    assert "is no folder; right would be" in said
+
+
+@pytest.mark.parametrize(
+    ("words", "what"),
+    [
+        ((), "--weights FILE or --site FILE, one of them"),
+        (("--weights", "a.bin", "--site", SITE), "--weights FILE or --site FILE, one of them"),
+        (("--site", "sites/paper.toml"), "simulation_only"),
+        (("--site", "none.bin"), "cannot be read"),
+        (("--weights", "none.bin"), "none.bin"),
+        (("--weights", "sites/four_way.toml"), "not an ELMW image"),
+        (("--site", SITE), "vcan77"),
+    ],
+)
+def test_what_cannot_be_sent(words: tuple[str, ...], what: str) -> None:
+    assert what in refused("elmopp-send", "--can", "vcan77", *words)

@@ -23,8 +23,8 @@ typedef struct {
     elmopp_controller_t controller;
     elmopp_chooser_t chooser;
     elmopp_forecast_config_t forecast; ///< from the next power cut on; none at first
-    elmopp_stage_t answer; ///< of the chooser, every second; 255: stages in turn
-    uint32_t calls;        ///< of the chooser
+    elmopp_stage_t answer;             ///< of the chooser, every second; 255: stages in turn
+    uint32_t calls;                    ///< of the chooser
     elmopp_ms_t now_ms;
     uint32_t ticks;
     elmopp_lamps_t shown;   ///< by the last LampCommand

@@ -118,7 +118,7 @@ bool elmopp_transfer_tick(elmopp_transfer_t *self);
 /// Flow control if it is due, not more than once a block.
 bool elmopp_transfer_flow(elmopp_transfer_t *self, elmopp_frame_t *out);
 
-/// The frame of a report, and what a TransferAck reports; false: it is no report.
+/// The frame of a report, and what a TransferAck reports; false: it is no report, or has a number that does not exist.
 elmopp_frame_t elmopp_transfer_make_report(const elmopp_transfer_report_t *report);
 bool elmopp_transfer_read_report(const elmopp_frame_t *frame, elmopp_transfer_report_t *report);
 

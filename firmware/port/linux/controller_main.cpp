@@ -140,8 +140,8 @@ class Kept {
         config.save_min_s = 3600;
         if (!folder.empty()) {
             folder_.emplace(folder);
-            weights_files_.emplace(folder, "weights", image_bytes(*elmopp_weights_kind()));
-            site_files_.emplace(folder, "site", image_bytes(*elmopp_site_kind()));
+            weights_files_ = std::make_unique<FileStore>(folder, "weights", image_bytes(*elmopp_weights_kind()));
+            site_files_ = std::make_unique<FileStore>(folder, "site", image_bytes(*elmopp_site_kind()));
             config.weights = weights_files_->medium();
             config.site = site_files_->medium();
         }
@@ -181,7 +181,7 @@ class Kept {
         elmopp_transfer_kind_t kind = ELMOPP_TRANSFER_NOTHING;
         elmopp_store_order_t order{};
         for (unsigned k = 0; k < orders_of_a_tick && elmopp_keeper_next(keeper_.get(), &kind, &order); ++k) {
-            FileStore &files = kind == ELMOPP_TRANSFER_SITE ? site_files_.value() : weights_files_.value();
+            FileStore &files = kind == ELMOPP_TRANSFER_SITE ? *site_files_ : *weights_files_;
             const elmopp_store_answer_t answer = files.carry_out(order);
             if (answer == ELMOPP_STORE_FAILED) {
                 say_it("not kept: " + files.trouble());
@@ -212,16 +212,16 @@ class Kept {
     const elmopp_junction_t &base_site_;
     const elmopp_weights_t *base_weights_;
     std::optional<StoreFolder> folder_;
-    std::optional<FileStore> weights_files_;
-    std::optional<FileStore> site_files_;
+    std::unique_ptr<FileStore> weights_files_; ///< null: nowhere, and the keeper asks for nothing
+    std::unique_ptr<FileStore> site_files_;
     std::unique_ptr<elmopp_keeper_t> keeper_;
     elmopp_transfer_report_t told_{};
 };
 
 class Program {
   public:
-    Program(const Request &request, const elmopp_junction_t &junction, const elmopp_weights_t *weights)
-        : bus_clock_(request.clock == "bus"), kept_(request.store, junction, weights), log_(request.log),
+    Program(const Request &request, Kept &kept)
+        : bus_clock_(request.clock == "bus"), kept_(kept), log_(request.log),
           socket_(request.can, wanted_ids(kept_.site_in_force(), bus_clock_)),
           wakeups_(bus_clock_ ? 0 : ELMOPP_CONTROLLER_TICK_MS, {SIGTERM, SIGINT, SIGUSR1, SIGUSR2}),
           station_(std::make_unique<elmopp_station_t>()), reporter_(program_name, request.can) {
@@ -381,7 +381,7 @@ class Program {
     }
 
     bool bus_clock_;
-    Kept kept_;
+    Kept &kept_;
     StreetLog log_;
     CanSocket socket_;
     Wakeups wakeups_;
@@ -425,10 +425,11 @@ void run(const Request &request) {
         given = std::make_unique<elmopp_weights_t>(read_weights(request.weights));
         check_weights(request, junction, *given);
     }
+    Kept kept(request.store, junction, given.get());
     if (const std::string warning = check_can(request.can); !warning.empty()) {
         say_it(warning);
     }
-    Program program(request, junction, given.get());
+    Program program(request, kept);
     (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
     program.run();
     say_it("stopped; " + std::to_string(program.missed()) + " lamp ticks were missed");

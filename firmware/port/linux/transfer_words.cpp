@@ -30,23 +30,29 @@ std::string state_of(const elmopp_transfer_report_t &report) {
     case ELMOPP_TRANSFER_WITHDRAWN:
         return "withdrawn, the old one runs again";
     }
-    return "in a state that this program does not know";
+    return "in no state";
 }
 
-/// What is wrong inside of an image that came whole.
+/// What is wrong inside of an image that came whole. A controller of another version may name what this one does not
+/// know.
 std::string content_of(const elmopp_transfer_report_t &report) {
     if (report.kind != ELMOPP_TRANSFER_SITE) {
-        return elmopp_weights_fault_name(static_cast<elmopp_weights_fault_t>(report.first));
+        return report.first < ELMOPP_WEIGHTS_FAULT_COUNT
+                   ? elmopp_weights_fault_name(static_cast<elmopp_weights_fault_t>(report.first))
+                   : "a rule that this program does not know";
+    }
+    const std::string rule = "rule " + std::to_string(report.first) + " at " + std::to_string(report.second);
+    if (report.first > ELMOPP_SITE_IMAGE_CRC) {
+        return rule;
     }
     const elmopp_site_verdict_t verdict{static_cast<elmopp_site_fault_t>(report.first), report.second, 0};
-    const elmopp_junction_t nobody{};
-    return "rule " + std::to_string(report.first) + " at " + std::to_string(report.second) + ", " +
-           describe(verdict, nobody);
+    return rule + ", " + describe(verdict, elmopp_junction_t{});
 }
 
 std::string fault_of(const elmopp_transfer_report_t &report) {
-    return std::string("there is a fault: ") + elmopp_fault_name(static_cast<elmopp_fault_t>(report.first)) +
-           ", group " + std::to_string(report.second);
+    const char *const name =
+        report.first < ELMOPP_FAULT_COUNT ? elmopp_fault_name(static_cast<elmopp_fault_t>(report.first)) : "unknown";
+    return std::string("there is a fault: ") + name + ", group " + std::to_string(report.second);
 }
 
 std::string reason_of(const elmopp_transfer_report_t &report) {
@@ -88,7 +94,7 @@ std::string reason_of(const elmopp_transfer_report_t &report) {
     case ELMOPP_TRANSFER_TOO_SOON:
         return "the last one was stored only just now";
     }
-    return "a reason that this program does not know, " + std::to_string(static_cast<unsigned>(report.reason));
+    return "";
 }
 
 } // namespace

@@ -13,7 +13,7 @@ extern "C" {
 
 namespace elmopp {
 
-/// "weights: refused, the checksum does not fit the bytes". Any numbers may stand in the report.
+/// "weights: refused, the checksum does not fit the bytes". `first` and `second` may be any numbers.
 std::string in_words(const elmopp_transfer_report_t &report);
 
 } // namespace elmopp
