@@ -18,6 +18,7 @@ constexpr double tail_m = 5.0;        ///< beyond the line, when a queued one ha
 constexpr double rolling_ds = 30.0;   ///< before its crossing a queue's first one starts
 constexpr double gone_m = 60.0;       ///< beyond the line
 constexpr double unplaced_m = 1e9;
+constexpr double held_s = 0.25;
 constexpr double queued_m_per_s = 3.0;
 
 /// Index of a ring of so many ticks.
@@ -126,7 +127,9 @@ void Places::see_road(const Streets &streets, std::size_t approach) {
             track.leader = before;
             track.street = {reach_m + away_m, track.limit_m_per_s};
             change_lane(track, emptiest(streets.lanes_in_reach(junction_)[movement]));
-            track.line = {away_m > 0.0 ? track.street.front_m : reach_m, away_m > 0.0 ? track.limit_m_per_s : 0.0};
+            // Whoever should have been let in by now stands at the edge of a full reach.
+            const bool held = away_m < -held_s * track.limit_m_per_s;
+            track.line = held ? Bound{reach_m, 0.0} : track.street;
             before = vehicle.seed;
         }
     }

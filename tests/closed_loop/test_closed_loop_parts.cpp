@@ -49,7 +49,7 @@ void test_the_same_seed_draws_the_same_picture_in_every_weather() {
     for (const std::string &weather : RoadWeather::names()) {
         const std::vector<RoadBody> bodies{a_car(40, {30, 40, 200})};
         TEST_ASSERT_EQUAL_DOUBLE(0.0, cv::norm(drawn(weather, 5, bodies), drawn(weather, 5, bodies)));
-        TEST_ASSERT_GREATER_THAN_DOUBLE(0.0, cv::norm(drawn(weather, 5, bodies), drawn(weather, 6, bodies)));
+        TEST_ASSERT_TRUE(cv::norm(drawn(weather, 5, bodies), drawn(weather, 6, bodies)) > 0.0);
     }
 }
 
@@ -64,7 +64,8 @@ void test_a_vehicle_is_drawn_where_it_is_and_nowhere_else() {
             }
         }
     }
-    const cv::Rect box = cv::boundingRect(corners);
+    cv::Rect box = cv::boundingRect(corners);
+    box = {box.x - 2, box.y - 2, box.width + 4, box.height + 4}; // a lens is soft
     TEST_ASSERT_GREATER_THAN_INT(box.area() / 4, cv::countNonZero(mask(box)));
     cv::Mat outside = mask.clone();
     outside(box).setTo(0);
@@ -93,7 +94,7 @@ void test_headlights_light_the_road_before_a_vehicle() {
         return cv::mean(seen(cv::Rect(cv::Point(before) - cv::Point(2, 2), cv::Size(5, 5))))[1];
     };
     const double dark = light_at(drawn("headlights", 3, {}));
-    TEST_ASSERT_GREATER_THAN_DOUBLE(1.5 * dark, light_at(drawn("headlights", 3, {a_car(50, {90, 90, 90})})));
+    TEST_ASSERT_TRUE(light_at(drawn("headlights", 3, {a_car(50, {90, 90, 90})})) > 1.5 * dark);
 }
 
 elmopp_lamps_t lamps_of(std::uint16_t red, std::uint16_t amber, std::uint16_t green) {
