@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Street bus: the junction's bus with cameras that look, lamp nodes that are the firmware's own, and what can go wrong.
+/// Street bus: the junction's bus with cameras that look, lamp nodes that are the firmware's own, and what can go
+/// wrong.
 ///
 /// A link between the simulator and whoever runs the controller. In place of the simulator's counts it sends what the
 /// counters of the cameras say; in place of lamps that do as told it has elmopp_lamp_node, and what those show is what

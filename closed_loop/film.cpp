@@ -134,23 +134,31 @@ void Film::write_lanes(const std::filesystem::path &file) const {
         lanes.push_back({{"name", pavement_[k].name},
                          {"line", {point(line, left), point(line, right)}},
                          {"direction", "up"},
-                         {"zone", {level(stop, left, far_px), level(stop, right, far_px), level(line, right, near_px),
+                         {"zone",
+                          {level(stop, left, far_px), level(stop, right, far_px), level(line, right, near_px),
                            level(line, left, near_px)}},
                          {"approach", approach_},
                          {"movement", pavement_[k].movement - first}});
     }
     WholeFile out("lane file", file);
-    out.out() << nlohmann::ordered_json{{"width", picture_px.width}, {"height", picture_px.height}, {"lanes", lanes}}
-                     .dump(1)
-              << "\n";
+    out.out()
+        << nlohmann::ordered_json{{"width", picture_px.width}, {"height", picture_px.height}, {"lanes", lanes}}.dump(1)
+        << "\n";
     out.commit();
 }
 
 RoadBody Film::body_of(const Place &place) const {
     const Looks looks = looks_of(place.id);
     const double stop = behind_m + static_cast<double>(site_.reach_m);
-    RoadBody body{stop - place.front_m, (place.across + 0.5) * road_lane_m + looks.wander_m, 0.0, looks.length_m,
-                  looks.width_m, looks.height_m, looks.paint, looks.boxy, place.braking};
+    RoadBody body{stop - place.front_m,
+                  (place.across + 0.5) * road_lane_m + looks.wander_m,
+                  0.0,
+                  looks.length_m,
+                  looks.width_m,
+                  looks.height_m,
+                  looks.paint,
+                  looks.boxy,
+                  place.braking};
     const auto turns = turns_of(site_, place.movement);
     if (turns.size() != 1 || turns[0] == Turn::straight) {
         return body;
@@ -237,8 +245,8 @@ void Film::begin() {
 std::vector<LaneTally> Film::tally() const {
     std::vector<LaneTally> tally;
     for (std::size_t k = 0; k < pavement_.size(); ++k) {
-        tally.push_back({pavement_[k].name, pavement_[k].movement, crossed_[k],
-                         last_.lanes[k].arrived_total - begun_counted_[k]});
+        tally.push_back(
+            {pavement_[k].name, pavement_[k].movement, crossed_[k], last_.lanes[k].arrived_total - begun_counted_[k]});
     }
     return tally;
 }

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <numeric>
@@ -56,8 +57,8 @@ class Mosaic {
     void add(const std::vector<std::unique_ptr<Film>> &films, double t_s) {
         const cv::Size one = films[0]->picture().size();
         const int rows = (static_cast<int>(films.size()) + 1) / 2;
-        cv::Mat all = cv::Mat::zeros(one.height * rows, one.width * std::min<int>(2, static_cast<int>(films.size())),
-                                     CV_8UC3);
+        cv::Mat all =
+            cv::Mat::zeros(one.height * rows, one.width * std::min<int>(2, static_cast<int>(films.size())), CV_8UC3);
         for (std::size_t i = 0; i < films.size(); ++i) {
             const cv::Point corner(static_cast<int>(i % 2) * one.width, static_cast<int>(i / 2) * one.height);
             films[i]->drawn().copyTo(all(cv::Rect(corner, one)));
@@ -80,13 +81,13 @@ struct Run {
     std::uint64_t early_greens = 0;
     std::vector<LaneTally> lanes;
     double present_error_veh = 0.0; ///< mean over seconds and movements
-    unsigned faulty_s = 0;          ///< seconds in which a camera was not believed by its counter
+    unsigned doubted_s = 0;         ///< seconds in which a counter did not believe its camera
 };
 
 const char *mode_name(elmopp_mode_t mode) {
-    static const std::vector<const char *> names{"starting",   "start_flash", "start_red", "first_stage",
-                                                 "automatic",  "fixed_time",  "manual",    "all_red",
-                                                 "flashing",   "dark",        "fail_safe"};
+    static const std::vector<const char *> names{"starting",  "start_flash", "start_red", "first_stage",
+                                                 "automatic", "fixed_time",  "manual",    "all_red",
+                                                 "flashing",  "dark",        "fail_safe"};
     return static_cast<std::size_t>(mode) < names.size() ? names[static_cast<std::size_t>(mode)] : "none";
 }
 
@@ -98,7 +99,11 @@ std::string aspects_of(const elmopp_lamps_t &lamps, const elmopp_junction_t &sit
     return digits;
 }
 
+class StreetRun;
+
 class LoopProgram {
+    friend class StreetRun;
+
   public:
     explicit LoopProgram(const LoopRequest &request)
         : request_(request), site_(read_street(request.site)),
@@ -109,6 +114,10 @@ class LoopProgram {
         const Source source =
             make_source(scenario_.profile.integrator, Mapping::abs, request.seed, 0, site_.approach_count);
         const double each = vehicles_per_approach(scenario_.profile.scope, request.vehicles, source.unit.size());
+        fs::create_directories(request.out);
+        if (!request.overlay.empty()) {
+            mosaic_ = std::make_unique<Mosaic>(request.overlay);
+        }
         demand_ = make_discrete_demand(scenario_, source.unit, each, request.seed, 0, request.seconds);
         // The controller begins in a street that nobody has counted before.
         demand_.mean_veh_per_s.clear();
@@ -118,12 +127,14 @@ class LoopProgram {
                 camera_names_.emplace_back(std::begin(site_.approach_name[i]));
             }
         }
-        fs::create_directories(request.out);
     }
 
     void run() {
         const Run perfect = drive(false);
         const Run camera = drive(true);
+        if (mosaic_) {
+            mosaic_->finish();
+        }
         write(perfect, camera);
         if (camera.conflicts + camera.early_greens + perfect.conflicts + perfect.early_greens > 0) {
             throw Failure("the lamps showed what they must not: see conflicts and early_greens in " +
@@ -165,7 +176,7 @@ class LoopProgram {
         return make_bus(request_.link.rfind("slcan:", 0) == 0 ? make_slcan_wire(place) : make_can_wire(place), true);
     }
 
-    Run drive(bool with_cameras);
+    [[nodiscard]] Run drive(bool with_cameras);
     void log(std::ostream &out, const Second &second, const BusSecond &bus, const std::vector<int> &there) const;
     void write(const Run &perfect, const Run &camera) const;
     [[nodiscard]] std::vector<std::unique_ptr<Film>> films() const;
@@ -176,8 +187,96 @@ class LoopProgram {
     ChooserSpec chooser_;
     std::vector<Trouble> troubles_;
     Demand demand_{};
+    std::unique_ptr<Mosaic> mosaic_;
     std::vector<std::string> camera_names_;
-    std::vector<int> there_before_; ///< [movement] in truth, when the counts of this second were taken
+};
+
+/// One run from the start-up to the end, with cameras or with counts that are right.
+class StreetRun {
+  public:
+    StreetRun(LoopProgram &loop, bool with_cameras)
+        : loop_(loop), films_(with_cameras ? loop.films() : std::vector<std::unique_ptr<Film>>()),
+          plan_(plan_of(loop.scenario_)), follower_(plan_, 0), there_(loop.site_.movement_count) {
+        std::vector<Film *> looking;
+        for (const auto &film : films_) {
+            looking.push_back(film.get());
+        }
+        auto link = std::make_unique<StreetBus>(
+            loop.scenario_.junction, [&loop] { return loop.controller(); }, looking, places_,
+            with_cameras ? loop.troubles_ : std::vector<Trouble>(), loop.request_.seed);
+        bus_ = link.get();
+        if (with_cameras && loop.mosaic_) {
+            bus_->looked = [this](double t_s) { loop_.mosaic_->add(films_, t_s); };
+        }
+        if (with_cameras) {
+            log_.emplace("--out", loop.request_.out / "street.jsonl");
+        }
+        chain_ =
+            std::make_unique<Chain>(make_framed(loop.scenario_, loop.chooser_, loop.demand_, std::move(link)), *bus_);
+    }
+
+    Run run() {
+        Run run;
+        run.metrics = run_streets(
+            plan_, {{loop_.scenario_, *chain_, loop_.demand_}}, loop_.request_.seconds,
+            [this, &run](const Second &second) { note(second, run); }, {},
+            [this](const Streets &streets) { follow(streets); });
+        for (const auto &film : films_) {
+            film->finish();
+            const auto lanes = film->tally();
+            run.lanes.insert(run.lanes.end(), lanes.begin(), lanes.end());
+        }
+        run.present_error_veh /= static_cast<double>(loop_.request_.seconds * there_.size());
+        run.ticks = bus_->witness().ticks();
+        run.conflicts = bus_->witness().conflicts();
+        run.early_greens = bus_->witness().early_greens();
+        if (log_) {
+            log_->commit();
+        }
+        return run;
+    }
+
+  private:
+    void follow(const Streets &streets) {
+        follower_.follow(streets);
+        places_ = follower_.all();
+        if (!begun_) {
+            bus_->begin();
+            begun_ = true;
+        }
+    }
+
+    /// A second's counts were taken when it began: `there_` is of then.
+    void note(const Second &second, Run &run) {
+        const BusSecond noted = bus_->take_second();
+        for (std::size_t j = 0; j < there_.size(); ++j) {
+            run.present_error_veh += std::abs(static_cast<double>(second.told.present_veh[j]) - there_[j]);
+        }
+        const auto doubted = [](const Record &record) {
+            return std::any_of(record.lanes.begin(), record.lanes.end(),
+                               [](const LaneRecord &lane) { return !lane.valid; });
+        };
+        run.doubted_s += std::any_of(noted.records.begin(), noted.records.end(), doubted) ? 1U : 0U;
+        if (log_) {
+            loop_.log(log_->out(), second, noted, there_);
+        }
+        std::fill(there_.begin(), there_.end(), 0);
+        for (const auto &film : films_) {
+            const auto some = film->present(places_);
+            std::transform(there_.begin(), there_.end(), some.begin(), there_.begin(), std::plus<>());
+        }
+    }
+
+    LoopProgram &loop_;
+    std::vector<std::unique_ptr<Film>> films_;
+    StreetPlan plan_;
+    Places follower_;
+    std::vector<Place> places_;
+    StreetBus *bus_ = nullptr;
+    std::unique_ptr<Chain> chain_;
+    std::optional<WholeFile> log_;
+    std::vector<int> there_; ///< [movement] in truth
+    bool begun_ = false;
 };
 
 void LoopProgram::log(std::ostream &out, const Second &second, const BusSecond &bus,
@@ -217,30 +316,29 @@ void LoopProgram::write(const Run &perfect, const Run &camera) const {
         wrong += std::abs(lane.crossed - lane.counted);
         crossed += lane.crossed;
     }
-    const Json result{
-        {"lanes", lanes},
-        {"delay_camera_s", camera.metrics.mean_delay_s},
-        {"delay_perfect_s", perfect.metrics.mean_delay_s},
-        {"lane_error", crossed > 0 ? static_cast<double>(wrong) / static_cast<double>(crossed) : 0.0},
-        {"present_error_veh", camera.present_error_veh},
-        {"longest_red_camera_s", camera.metrics.longest_red_s},
-        {"longest_red_perfect_s", perfect.metrics.longest_red_s},
-        {"vehicles_in", camera.metrics.vehicles_in},
-        {"vehicles_out_camera", camera.metrics.vehicles_out},
-        {"vehicles_out_perfect", perfect.metrics.vehicles_out},
-        {"doubted_s", camera.faulty_s},
-        {"lamp_ticks", camera.ticks + perfect.ticks},
-        {"conflicts", camera.conflicts + perfect.conflicts},
-        {"early_greens", camera.early_greens + perfect.early_greens},
-        {"site", site_.name},
-        {"chooser", full_name(chooser_.label(), chooser_.forecast)},
-        {"demand", request_.demand},
-        {"vehicles", request_.vehicles},
-        {"seed", request_.seed},
-        {"seconds", request_.seconds},
-        {"scene", request_.scene},
-        {"link", request_.link.substr(0, request_.link.find(':'))},
-        {"faults", request_.faults}};
+    const Json result{{"lanes", lanes},
+                      {"delay_camera_s", camera.metrics.mean_delay_s},
+                      {"delay_perfect_s", perfect.metrics.mean_delay_s},
+                      {"lane_error", crossed > 0 ? static_cast<double>(wrong) / static_cast<double>(crossed) : 0.0},
+                      {"present_error_veh", camera.present_error_veh},
+                      {"longest_red_camera_s", camera.metrics.longest_red_s},
+                      {"longest_red_perfect_s", perfect.metrics.longest_red_s},
+                      {"vehicles_in", camera.metrics.vehicles_in},
+                      {"vehicles_out_camera", camera.metrics.vehicles_out},
+                      {"vehicles_out_perfect", perfect.metrics.vehicles_out},
+                      {"doubted_s", camera.doubted_s},
+                      {"lamp_ticks", camera.ticks + perfect.ticks},
+                      {"conflicts", camera.conflicts + perfect.conflicts},
+                      {"early_greens", camera.early_greens + perfect.early_greens},
+                      {"site", site_.name},
+                      {"chooser", full_name(chooser_.label(), chooser_.forecast)},
+                      {"demand", request_.demand},
+                      {"vehicles", request_.vehicles},
+                      {"seed", request_.seed},
+                      {"seconds", request_.seconds},
+                      {"scene", request_.scene},
+                      {"link", request_.link.substr(0, request_.link.find(':'))},
+                      {"faults", request_.faults}};
     WholeFile out("--out", request_.out / "closed_loop.json");
     out.out() << result.dump(1) << "\n";
     out.commit();
@@ -259,76 +357,8 @@ std::vector<std::unique_ptr<Film>> LoopProgram::films() const {
 }
 
 Run LoopProgram::drive(bool with_cameras) {
-    const auto own = with_cameras ? films() : std::vector<std::unique_ptr<Film>>();
-    std::vector<Film *> looking;
-    for (const auto &film : own) {
-        looking.push_back(film.get());
-    }
-    const StreetPlan plan = plan_of(scenario_);
-    Places follower(plan, 0);
-    std::vector<Place> places;
-    auto link = std::make_unique<StreetBus>(scenario_.junction, [this] { return controller(); }, looking, places,
-                                            with_cameras ? troubles_ : std::vector<Trouble>(), request_.seed);
-    StreetBus &bus = *link;
-    std::unique_ptr<Mosaic> mosaic;
-    if (with_cameras && !request_.overlay.empty()) {
-        mosaic = std::make_unique<Mosaic>(request_.overlay);
-        bus.looked = [&](double t_s) { mosaic->add(own, t_s); };
-    }
-    Chain chain(make_framed(scenario_, chooser_, demand_, std::move(link)), bus);
-    std::optional<WholeFile> street;
-    if (with_cameras) {
-        street.emplace("--out", request_.out / "street.jsonl");
-    }
-    Run run;
-    bool begun = false;
-    const auto spectator = [&](const Streets &streets) {
-        follower.follow(streets);
-        places = follower.all();
-        if (!begun) {
-            bus.begin();
-            begun = true;
-        }
-    };
-    double wrong_veh = 0.0;
-    const Observer observer = [&](const Second &second) {
-        const BusSecond noted = bus.take_second();
-        std::vector<int> there(site_.movement_count);
-        for (const auto &film : own) {
-            const auto some = film->present(places);
-            std::transform(there.begin(), there.end(), some.begin(), there.begin(), std::plus<>());
-        }
-        for (std::size_t j = 0; j < there.size(); ++j) {
-            wrong_veh += std::abs(static_cast<double>(second.told.present_veh[j]) - there_before_[j]);
-        }
-        const auto doubted = [](const Record &record) {
-            return std::any_of(record.lanes.begin(), record.lanes.end(),
-                               [](const LaneRecord &lane) { return !lane.valid; });
-        };
-        run.faulty_s += std::any_of(noted.records.begin(), noted.records.end(), doubted) ? 1U : 0U;
-        if (street) {
-            log(street->out(), second, noted, there_before_);
-        }
-        there_before_ = there;
-    };
-    there_before_.assign(site_.movement_count, 0);
-    run.metrics = run_streets(plan, {{scenario_, chain, demand_}}, request_.seconds, observer, {}, spectator);
-    for (const auto &film : own) {
-        film->finish();
-        const auto lanes = film->tally();
-        run.lanes.insert(run.lanes.end(), lanes.begin(), lanes.end());
-    }
-    run.present_error_veh = wrong_veh / static_cast<double>(request_.seconds) / site_.movement_count;
-    run.ticks = bus.witness().ticks();
-    run.conflicts = bus.witness().conflicts();
-    run.early_greens = bus.witness().early_greens();
-    if (mosaic) {
-        mosaic->finish();
-    }
-    if (street) {
-        street->commit();
-    }
-    return run;
+    StreetRun street(*this, with_cameras);
+    return street.run();
 }
 
 } // namespace

@@ -31,8 +31,7 @@ void Witness::see(const elmopp_lamps_t &lamps) {
 void Witness::see_start(std::uint32_t group) {
     for (std::uint32_t other = 0; other < site_.group_count; ++other) {
         const bool conflicts = ((site_.conflict[group] >> other) & 1U) != 0U;
-        if (conflicts && ended_ds_.at(other) != 0 &&
-            ticks_ - ended_ds_.at(other) < site_.intergreen_ds[other][group]) {
+        if (conflicts && ended_ds_.at(other) != 0 && ticks_ - ended_ds_.at(other) < site_.intergreen_ds[other][group]) {
             ++early_greens_;
             return;
         }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Witness: somebody beside the road who looks at the lamps alone, in every lamp tick, and writes down what must not be.
+/// Witness: somebody beside the road who looks at the lamps alone, in every lamp tick, and writes down what must not
+/// be.
 ///
 /// A third opinion beside plan and monitor, which it does not know: no two conflicting groups off red at once, and from
 /// the end of a green to the beginning of a conflicting one no less than the site's intergreen. It stops nobody.

@@ -13,11 +13,12 @@ namespace {
 constexpr double tick_s = 0.1;
 constexpr double starting_m_per_s2 = 1.7;
 constexpr double braking_m_per_s2 = 3.0;
-constexpr double across_per_s = 0.45;   ///< lanes, of a vehicle that changes its own
-constexpr double tail_m = 5.0;          ///< beyond the line, when a queued one has crossed it
-constexpr double rolling_ds = 30.0;     ///< before its crossing a queue's first one starts
-constexpr double gone_m = 60.0;         ///< beyond the line
+constexpr double across_per_s = 0.45; ///< lanes, of a vehicle that changes its own
+constexpr double tail_m = 5.0;        ///< beyond the line, when a queued one has crossed it
+constexpr double rolling_ds = 30.0;   ///< before its crossing a queue's first one starts
+constexpr double gone_m = 60.0;       ///< beyond the line
 constexpr double unplaced_m = 1e9;
+constexpr double held_s = 0.25;
 constexpr double queued_m_per_s = 3.0;
 
 /// Index of a ring of so many ticks.
@@ -86,7 +87,7 @@ Places::Track &Places::see(const Vehicle &vehicle, std::size_t approach, std::si
         const double wave_s = static_cast<double>(wave_ds) * tick_s;
         track.limit_m_per_s = plan_.arms[approach].speed_m_per_s;
         track.leaving_m_per_s = std::min(track.limit_m_per_s, vehicle_m / std::max(tick_s, headway_s - wave_s));
-        track.place = {vehicle.seed, approach, movement, vehicle.way, unplaced_m, across_[movement][0],
+        track.place = {vehicle.seed,        approach, movement, vehicle.way, unplaced_m, across_[movement][0],
                        track.limit_m_per_s, false};
     }
     track.seen_ds = now_ds_;
@@ -126,7 +127,9 @@ void Places::see_road(const Streets &streets, std::size_t approach) {
             track.leader = before;
             track.street = {reach_m + away_m, track.limit_m_per_s};
             change_lane(track, emptiest(streets.lanes_in_reach(junction_)[movement]));
-            track.line = {away_m > 0.0 ? track.street.front_m : reach_m, away_m > 0.0 ? track.limit_m_per_s : 0.0};
+            // Whoever should have been let in by now stands at the edge of a full reach.
+            const bool held = away_m < -held_s * track.limit_m_per_s;
+            track.line = held ? Bound{reach_m, 0.0} : track.street;
             before = vehicle.seed;
         }
     }

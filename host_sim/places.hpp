@@ -62,11 +62,11 @@ class Places {
     };
     struct Track {
         Place place;
-        std::size_t lane;                     ///< pavement lane of its movement
+        std::size_t lane;                         ///< pavement lane of its movement
         std::array<double, wave_ds + 1> before_m; ///< a ring: the front in the ticks before
-        std::uint64_t leader;                 ///< 0: nobody
-        Bound street;                         ///< as the street has it
-        Bound line;                           ///< the stop line, or the edge of a full reach
+        std::uint64_t leader;                     ///< 0: nobody
+        Bound street;                             ///< as the street has it
+        Bound line;                               ///< the stop line, or the edge of a full reach
         double limit_m_per_s;
         double leaving_m_per_s; ///< of a queue
         bool queued;

@@ -115,7 +115,7 @@ class Streets {
     };
     struct Junction {
         const elmopp_junction_t *site = nullptr;
-        std::vector<Arm> arms;                ///< [approach]
+        std::vector<Arm> arms;                     ///< [approach]
         std::vector<std::vector<LaneQueue>> lanes; ///< [movement][pavement lane]
         std::uint32_t open = 0;
     };

@@ -25,9 +25,9 @@ const cv::Scalar asphalt(104, 102, 100);
 
 const std::map<std::string, RoadWeather> &weathers() {
     static const std::map<std::string, RoadWeather> all{
-        {"day", {1.0, 2.0, false, false, false, 0.0}},        {"shadows", {1.1, 2.0, true, false, false, 0.0}},
-        {"dusk", {0.30, 3.5, false, true, false, 240.0}},     {"headlights", {0.20, 4.0, false, true, false, 0.0}},
-        {"noise", {0.9, 8.0, false, false, false, 0.0}},      {"rain", {0.62, 4.0, false, true, true, 0.0}},
+        {"day", {1.0, 2.0, false, false, false, 0.0}},    {"shadows", {1.1, 2.0, true, false, false, 0.0}},
+        {"dusk", {0.30, 3.5, false, true, false, 240.0}}, {"headlights", {0.20, 4.0, false, true, false, 0.0}},
+        {"noise", {0.9, 8.0, false, false, false, 0.0}},  {"rain", {0.62, 4.0, false, true, true, 0.0}},
     };
     return all;
 }
@@ -373,8 +373,7 @@ void RoadView::draw_beam(cv::Mat &picture, const RoadBody &body, double strength
     }
     constexpr int soft = 9;
     cv::Rect box = cv::boundingRect(outline);
-    box = cv::Rect(box.x - soft, box.y - soft, box.width + 2 * soft, box.height + 2 * soft) &
-          cv::Rect({0, 0}, size_);
+    box = cv::Rect(box.x - soft, box.y - soft, box.width + 2 * soft, box.height + 2 * soft) & cv::Rect({0, 0}, size_);
     if (box.area() > 0) {
         for (cv::Point &point : outline) {
             point -= box.tl();

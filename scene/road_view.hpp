@@ -3,10 +3,10 @@
 
 /// Road view: one approach of a junction as a fixed camera on a mast sees it, drawn picture by picture.
 ///
-/// An ordinary pinhole camera over a flat road: lanes side by side with their markings, a stop line, the junction behind
-/// it, kerbs, grass, trees and houses beside it. Vehicles are boxes with a cabin, windows, wheels and lamps; they hide
-/// one another and throw shadows. Weather is light, noise, sun, lamps, rain. It is plain, and it is not made to be easy:
-/// paint may have the grey of the road.
+/// An ordinary pinhole camera over a flat road: lanes side by side with their markings, a stop line, the junction
+/// behind it, kerbs, grass, trees and houses beside it. Vehicles are boxes with a cabin, windows, wheels and lamps;
+/// they hide one another and throw shadows. Weather is light, noise, sun, lamps, rain. It is plain, and it is not made
+/// to be easy: paint may have the grey of the road.
 ///
 /// It knows bodies on a road and nothing of who moves them, and it shares no code with the counter that looks at its
 /// pictures. The same seed and the same calls draw the same pictures. Owner: whoever films. Not thread-safe.
@@ -110,7 +110,7 @@ class RoadView {
     Corner down_;
     Corner front_;
     cv::Mat road_;
-    cv::Mat dark_; ///< the same in the shade
+    cv::Mat dark_;               ///< the same in the shade
     std::vector<cv::Mat> grain_; ///< pairs: what is added, what is taken
 };
 

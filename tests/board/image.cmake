@@ -29,6 +29,7 @@ foreach(chooser IN ITEMS naive cumulative:lstm pressure priced rollout)
     set_tests_properties(test_loop_${name} PROPERTIES COST 80)
     _elmopp_add_image_test(test_loop_${name}_2000_s "sim;nightly" 3600 2000 "${test}")
 endforeach()
+_elmopp_add_image_test(test_closed_loop_board "camera;sim;nightly" 900 0 tests/board/test_closed_loop_board.py)
 _elmopp_add_image_test(test_loop_others "sim;nightly" 3600 200 -m others tests/board/test_loop.py)
 
 # Behind slcand in the virtual machine, an emulator in an emulator: with programs of the same other preset.

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The ELMOPP authors
+"""The whole chain: what cameras count of the drawn road, and what a street sees when something fails.
+
+What the lamps showed is judged here a second time, from the log and the site's own file.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import tomllib
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = os.environ.get("ELMOPP_CLOSED_LOOP", str(ROOT / "build" / "release" / "bin" / "elmopp-closed-loop"))
+RED, RED_AMBER, GREEN, AMBER, FLASH = "1", "2", "3", "4", "5"
+START_UP_TICKS = 400  # more than these sites need
+
+
+def site_with(folder: Path, cameras: list[str]) -> Path:
+    """The four-way with these cameras and a quick start-up; the other approaches are always on recall."""
+    text = (ROOT / "sites" / "four_way.toml").read_text(encoding="utf-8")
+    quick = f'forecast = "none"\nstart_flash_s = 1\nstart_red_s = 1\ncameras = {json.dumps(cameras)}'
+    path = folder / "site.toml"
+    path.write_text(re.sub(r"^forecast = .*$", quick, text, flags=re.MULTILINE), encoding="utf-8")
+    return path
+
+
+def run(folder: Path, site: Path, seconds: int, *words: str) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """The result, and the street second by second."""
+    command = [PROGRAM, "--seconds", str(seconds), "--vehicles", "400", "--site", str(site), "--out", str(folder)]
+    done = subprocess.run([*command, *words], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    result = json.loads((folder / "closed_loop.json").read_text(encoding="utf-8"))
+    street = [json.loads(line) for line in (folder / "street.jsonl").read_text(encoding="utf-8").splitlines()]
+    assert len(street) == seconds
+    return result, street
+
+
+@dataclass
+class Judge:
+    """Looks at every lamp tick; knows the site's text and nothing else of the project."""
+
+    site: dict[str, Any]
+    ended: dict[str, int] = field(default_factory=dict)
+    wrong: list[str] = field(default_factory=list)
+    before: dict[str, str] = field(default_factory=dict)
+
+    def see(self, tick: int, lamps: str) -> None:
+        """One tick's aspects, a digit a group."""
+        now = dict(zip((group["name"] for group in self.site["groups"]), lamps, strict=True))
+        for name, aspect in now.items():
+            if self.before.get(name) == GREEN and aspect != GREEN:
+                self.ended[name] = tick
+            foes = self.site["conflicts"][name]
+            if aspect in (GREEN, AMBER):
+                self.wrong += [f"{tick}: {name} and {foe}" for foe in foes if now[foe] in (GREEN, AMBER)]
+            if aspect == GREEN and self.before.get(name) != GREEN:
+                self.starts(tick, name, foes)
+        self.before = now
+
+    def starts(self, tick: int, name: str, foes: list[str]) -> None:
+        """A green begins."""
+        for foe in foes:
+            needed = self.site["intergreen_ds"].get(foe, {}).get(name, 0)
+            if foe in self.ended and tick - self.ended[foe] < needed:
+                self.wrong.append(f"{tick}: {name} {tick - self.ended[foe]} ds after {foe}, not {needed}")
+
+
+def judged(site: Path, street: list[dict[str, Any]]) -> list[str]:
+    """What the lamps showed that they must not have."""
+    judge = Judge(tomllib.loads(site.read_text(encoding="utf-8")))
+    ticks = [lamps for second in street for lamps in second["lamps"]]
+    assert len(ticks) == 10 * len(street)
+    for tick, lamps in enumerate(ticks):
+        judge.see(tick, lamps)
+    return judge.wrong
+
+
+def expect_safe(site: Path, result: dict[str, Any], street: list[dict[str, Any]]) -> None:
+    assert judged(site, street) == []
+    assert result["conflicts"] == 0
+    assert result["early_greens"] == 0
+    assert result["lamp_ticks"] > 20 * len(street)
+
+
+def modes(street: list[dict[str, Any]], first: int, last: int) -> set[str]:
+    return {second["mode"] for second in street[first:last]}
+
+
+@cache
+def quiet(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]], Path]:
+    """One camera on a good day."""
+    site = site_with(folder, ["N"])
+    return (*run(folder / "out", site, 60), site)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("loop")
+
+
+def test_lanes_are_counted_and_both_delays_are_told(folder: Path) -> None:
+    result, street, site = quiet(folder)
+    assert [lane["lane"] for lane in result["lanes"]] == ["N.L", "N.M1", "N.M2", "N.R"]
+    true = sum(lane["true"] for lane in result["lanes"])
+    wrong = sum(abs(lane["true"] - lane["counted"]) for lane in result["lanes"])
+    assert true >= 20
+    assert wrong <= max(2, 0.15 * true)
+    assert result["lane_error"] == pytest.approx(wrong / true)
+    assert result["delay_camera_s"] > 0
+    assert result["delay_camera_s"] == pytest.approx(result["delay_perfect_s"], rel=0.5)
+    assert modes(street, 0, 60) == {"automatic"}
+    expect_safe(site, result, street)
+
+
+def test_the_controller_sees_what_the_camera_counts(folder: Path) -> None:
+    _, street, _ = quiet(folder)
+    apart = [abs(second["present"][1] - second["true"][1]) for second in street]
+    assert max(second["true"][1] for second in street) >= 3
+    assert sum(apart) / len(apart) < 2.5
+    assert any(apart), "these would be the simulator's own counts"
+
+
+def test_the_same_request_writes_the_same_files(folder: Path) -> None:
+    quiet(folder)
+    again = folder / "again"
+    run(again, folder / "site.toml", 60)
+    for name in ("closed_loop.json", "street.jsonl", "N.lanes.json"):
+        assert (again / name).read_bytes() == (folder / "out" / name).read_bytes()
+
+
+def test_a_planted_conflict_is_judged(folder: Path) -> None:
+    _, street, site = quiet(folder)
+    planted = [{**second, "lamps": list(second["lamps"])} for second in street]
+    planted[30]["lamps"][4] = "3" * 12
+    assert judged(site, planted)
+
+
+def test_a_camera_that_fails_is_known_and_comes_back(tmp_path: Path) -> None:
+    site = site_with(tmp_path, ["N"])
+    faults = "black:N@15-30,freeze:N@45-60,turn:N@75-95,gone:N@115-125"
+    result, street = run(tmp_path / "out", site, 150, "--faults", faults)
+    expect_safe(site, result, street)
+    for first, last, reason in ((17, 30, "black"), (48, 60, "frozen"), (80, 95, "moved"), (117, 125, "lost")):
+        assert {second["cameras"]["N"] for second in street[first:last]} == {reason}
+        # The only camera: nobody is seen, the programme of the hour drives.
+        assert modes(street, first, last) == {"fixed_time"}
+    for first, last in ((0, 15), (38, 45), (68, 75), (104, 115), (135, 150)):
+        assert modes(street, first, last) == {"automatic"}
+    assert {second["fault"] for second in street} == {"none"}
+
+
+def test_who_cannot_be_seen_is_on_recall_while_others_are_counted(tmp_path: Path) -> None:
+    site = site_with(tmp_path, ["N", "E"])
+    result, street = run(tmp_path / "out", site, 50, "--faults", "black:N@20-32")
+    expect_safe(site, result, street)
+    assert modes(street, 0, 50) == {"automatic"}
+    for second in street[22:32]:
+        assert second["cameras"] == {"N": "black", "E": "ok"}
+        assert min(second["present"][:3]) >= 1.0
+    assert max(second["present"][1] for second in street[40:]) > max(
+        second["present"][1] for second in street[22:32]
+    ), "counts come back"
+
+
+def test_a_bus_that_loses_a_tenth_of_its_frames_ends_in_flashing(tmp_path: Path) -> None:
+    site = site_with(tmp_path, ["N"])
+    result, street = run(tmp_path / "out", site, 70, "--faults", "lose:10@10-70")
+    expect_safe(site, result, street)
+    lost = sum(second["lost"] for second in street)
+    assert 150 < lost < 900
+    assert modes(street, 0, 10) == {"automatic"}
+    failed = next(second["t_s"] for second in street if second["mode"] == "fail_safe")
+    assert failed >= 10
+    for second in street[failed + 1 :]:
+        assert second["mode"] == "fail_safe"
+        assert second["fault"] in ("feedback lost", "lamp node")
+        assert set("".join(second["lamps"])) <= {FLASH}
+
+
+def test_a_board_that_is_reset_in_mid_green_begins_anew(tmp_path: Path) -> None:
+    site = site_with(tmp_path, ["N"])
+    result, street = run(tmp_path / "out", site, 60, "--faults", "reset@20")
+    expect_safe(site, result, street)
+    reset = [second["t_s"] for second in street if second["reset"]]
+    assert len(reset) == 1
+    assert GREEN in street[reset[0] - 1]["lamps"][-1] or GREEN in "".join(street[reset[0]]["lamps"])
+    seen = [second["mode"] for second in street[reset[0] :]]
+    order = ["starting", "start_flash", "start_red", "first_stage", "automatic"]
+    assert list(dict.fromkeys(seen)) == order
+    dark = [lamps for second in street[reset[0] :] if second["mode"] in order[:3] for lamps in second["lamps"]]
+    assert not any(GREEN in lamps for lamps in dark[1:])
+    assert street[-1]["mode"] == "automatic"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--seconds", "0"], "--seconds 0: right would be 1 to 2000"),
+        (["--scene", "fog"], '--scene "fog": right would be one of day, '),
+        (["--faults", "fog:N@1-2"], '--faults "fog:N@1-2": right would be'),
+        (["--link", "tcp:1"], '--link "tcp:1": right would be inproc'),
+        (["--link", "can:none", "--faults", "reset@3"], "--faults reset with --link can:none"),
+        (["--site", "sites/paper.toml"], "simulation_only"),
+        (["--chooser", "nobody"], "nobody"),
+        (["--vehicles", "0"], "--vehicles"),
+        (["--overlay", "x.gif"], "--overlay x.gif"),
+    ],
+)
+def test_what_cannot_be_run_is_refused_in_one_line(tmp_path: Path, words: list[str], said: str) -> None:
+    command = [PROGRAM, "--seconds", "5", "--out", str(tmp_path / "out")]
+    for option, value in zip(words[::2], words[1::2], strict=True):
+        command = [*command[:1], *(["--seconds", "5"] if option != "--seconds" else []), *command[3:], option, value]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 2, done.stderr
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "out" / "closed_loop.json").exists()
+
+
+def test_the_drawing_and_the_counter_know_nothing_of_each_other() -> None:
+    includes = re.compile(r'#include ["<]([^">]+)[">]')
+    for file in sorted((ROOT / "scene").glob("*.?pp")):
+        for name in includes.findall(file.read_text(encoding="utf-8")):
+            assert name == "road_view.hpp" or name.startswith("opencv2/") or "/" not in name and "." not in name, name
+    for file in sorted((ROOT / "perception").glob("*.?pp")):
+        assert "road_view" not in file.read_text(encoding="utf-8")
+
+
+@pytest.mark.others
+@pytest.mark.parametrize("scene", ["day", "shadows", "dusk", "headlights", "rain"])
+def test_all_cameras_count_in_every_scene(tmp_path: Path, scene: str) -> None:
+    site = ROOT / "sites" / "four_way.toml"
+    result, street = run(tmp_path / "out", site, 240, "--scene", scene, "--overlay", str(tmp_path / "seen.avi"))
+    expect_safe(site, result, street)
+    assert result["lane_error"] <= 0.2
+    assert (tmp_path / "seen.avi").stat().st_size > 1_000_000
+
+
+@pytest.mark.others
+def test_a_long_day_of_faults_is_safe(tmp_path: Path) -> None:
+    site = site_with(tmp_path, ["N", "E", "S", "W"])
+    faults = "black:all@40-80,turn:N@120-160,freeze:S@150-200,gone:W@220-260,reset@300,black:N@302-330,lose:3@400-600"
+    result, street = run(tmp_path / "out", site, 600, "--faults", faults)
+    expect_safe(site, result, street)
+    assert modes(street, 45, 80) == {"fixed_time"}
+    assert modes(street, 125, 260) == {"automatic"}
