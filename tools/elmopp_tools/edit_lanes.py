@@ -127,8 +127,8 @@ def run(request: argparse.Namespace) -> None:
         ) from None
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     with server:
-        print(f"edit-lanes: http://{server.names[0]}/; ctrl-C ends it", flush=True)
         try:
+            print(f"edit-lanes: http://{server.names[0]}/; ctrl-C ends it", flush=True)
             server.serve_forever()
         except KeyboardInterrupt:
             return
