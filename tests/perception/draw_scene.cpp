@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Writes a drawn video with its truth and lane file, for tests of the programs: draw_scene FOLDER NAME SECONDS.
+/// Writes a drawn video, its truth and its first picture, for tests of the programs: draw_scene FOLDER NAME SECONDS.
 
 #include "scene.hpp"
 
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
 #include <cmath>
@@ -27,7 +28,12 @@ int main(int argc, char **argv) {
     cv::VideoWriter video(base + ".avi", cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), rate, {352, 264});
     const int frames = static_cast<int>(seconds * rate);
     for (int i = 0; i < frames; ++i) {
-        video.write(scene.draw(flow.at(i / rate)));
+        const cv::Mat picture = scene.draw(flow.at(i / rate));
+        video.write(picture);
+        if (i == 0 && !cv::imwrite(base + ".png", picture)) {
+            std::cerr << "draw_scene: " << base << ".png could not be written\n";
+            return 1;
+        }
     }
     const elmopp::LaneFile file = scene.lanes(flow.line_m, 40, elmopp::Direction::down);
     std::ofstream truth(base + ".json");

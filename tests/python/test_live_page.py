@@ -51,6 +51,7 @@ def address(served: Served) -> str:
 
 def visit(browser: Browser, served: Served, second: int = 0) -> None:
     browser.look()
+    browser.open("about:blank")  # the page before may look for a program that is gone
     browser.errors.clear()
     browser.requests.clear()
     browser.open(address(served))

@@ -53,14 +53,18 @@ def find_browser() -> str:
 
 
 class Browser:
-    """One browser with one page. `errors` collects what its console and its log complain about."""
+    """One browser with one page.
+
+    `errors` collects what its console and its log complain about, `dialogs` what it asked and was told yes,
+    `requests` every address that it asked for.
+    """
 
     def __init__(self) -> None:
         self.errors: list[str] = []
+        self.dialogs: list[str] = []
         self.requests: list[str] = []
         self._number = 0
         self._buffer = b""
-        self._events: list[dict[str, Any]] = []
         self._folder = tempfile.mkdtemp(prefix="elmopp-browser-")
         self._process = self._launch()
         self._session = ""
@@ -113,16 +117,20 @@ class Browser:
         """A command to the page."""
         return self._call(method, parameters)
 
-    def _call(self, method: str, parameters: dict[str, Any]) -> dict[str, Any]:
+    def _send(self, method: str, parameters: dict[str, Any]) -> int:
         self._number += 1
         message: dict[str, Any] = {"id": self._number, "method": method, "params": parameters}
         if self._session:
             message["sessionId"] = self._session
         os.write(self._to, json.dumps(message).encode() + b"\0")
+        return self._number
+
+    def _call(self, method: str, parameters: dict[str, Any]) -> dict[str, Any]:
+        number = self._send(method, parameters)
         until = time.monotonic() + (ANSWER_S if self._session else START_S)
         while True:
             answer = self._read(until)
-            if answer.get("id") == self._number:
+            if answer.get("id") == number:
                 if "error" in answer:
                     raise BrowserError(f"{method}: {answer['error']['message']}")
                 return dict(answer["result"])
@@ -142,7 +150,10 @@ class Browser:
 
     def _note(self, event: dict[str, Any]) -> None:
         method, about = event.get("method", ""), event.get("params", {})
-        if method == "Runtime.exceptionThrown":
+        if method == "Page.javascriptDialogOpening":  # such as: leave this page? what was drawn is not saved
+            self.dialogs.append(str(about["type"]))
+            self._send("Page.handleJavaScriptDialog", {"accept": True})
+        elif method == "Runtime.exceptionThrown":
             self.errors.append(str(about["exceptionDetails"].get("exception", {}).get("description", about)))
         elif method == "Runtime.consoleAPICalled" and about["type"] in ("error", "warning", "assert"):
             self.errors.append(" ".join(str(a.get("value", a.get("description"))) for a in about["args"]))
@@ -220,6 +231,16 @@ class Browser:
 
     def click(self, selector: str) -> None:
         self.click_at(*self.middle_of(selector))
+
+    def choose(self, selector: str, file: Path) -> None:
+        """Gives a file to an input that asks for one."""
+        root = self.call("DOM.getDocument")["root"]["nodeId"]
+        node = self.call("DOM.querySelector", nodeId=root, selector=selector)["nodeId"]
+        self.call("DOM.setFileInputFiles", files=[str(file)], nodeId=node)
+
+    def keep_downloads(self, folder: Path) -> None:
+        """What a page saves goes into this folder."""
+        self.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(folder))
 
     def picture(self, file: Path, *, whole: bool = True) -> None:
         """The window, or the whole page, as a PNG."""

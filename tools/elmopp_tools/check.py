@@ -189,6 +189,8 @@ def install_step() -> Step:
         "release: install",
         ["cmake", "--install", "build/release", "--prefix", str(prefix)],
         [f"{prefix}/bin/host_sim", "list", "--json"],
+        [f"{prefix}/bin/elmopp-view", "--help"],
+        [tool("python"), f"{prefix}/share/elmopp/tools/edit-lanes", "--help"],
         [tool("python"), f"{prefix}/share/elmopp/tools/site", "--help"],
         [
             str(ROOT / "build" / "venv" / "sumo" / "bin" / "python"),

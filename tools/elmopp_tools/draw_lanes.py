@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -23,6 +24,9 @@ GREEN = (80, 220, 80)
 YELLOW = (250, 220, 60)
 RED = (230, 70, 60)
 ARROW_PX = 14
+LEAST_LINE_PX = 4.0
+LEAST_AREA_PX = 16.0
+LEAST_ACROSS = 0.3
 STEPS = {"up": (0, -1), "down": (0, 1), "left": (-1, 0), "right": (1, 0)}
 
 DESCRIPTION = """\
@@ -46,7 +50,7 @@ class _Parser(argparse.ArgumentParser):
 
 
 def read_lanes(file: Path) -> dict[str, Any]:
-    """A lane file that keeps its schema, with names that differ and points inside of its picture."""
+    """A lane file that keeps its schema and the rules of perception/lanes.cpp."""
     try:
         lanes = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -56,15 +60,50 @@ def read_lanes(file: Path) -> dict[str, Any]:
     if errors:
         where = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in errors[0].path).lstrip(".") or "the file"
         raise RequestError(f"--lanes {file}: {where}: {errors[0].message}")
-    names = [lane["name"] for lane in lanes["lanes"]]
-    for name in names:
-        if names.count(name) > 1:
-            raise RequestError(f'--lanes {file}: the name "{name}" comes twice')
-    for lane in lanes["lanes"]:
-        for x, y in [*lane["line"], *lane.get("zone", [])]:
-            if x > lanes["width"] or y > lanes["height"]:
-                raise RequestError(f"--lanes {file}: lane {lane['name']}: [{x}, {y}] is outside of the picture")
+    for complaint in _complaints(lanes):
+        raise RequestError(f"--lanes {file}: {complaint}")
     return dict(lanes)
+
+
+def _complaints(lanes: dict[str, Any]) -> Iterator[str]:
+    """What a schema cannot say: the rules of perception/lanes.cpp about names and geometry."""
+    names = set()
+    for i, lane in enumerate(lanes["lanes"]):
+        key = f"lanes[{i}]"
+        yield from _outside(lane["line"], f"{key}.line", lanes)
+        yield from _across(lane, key)
+        if "zone" in lane:
+            yield from _polygon(lane["zone"], f"{key}.zone", lanes)
+        for k, mask in enumerate(lane.get("mask", [])):
+            yield from _polygon(mask, f"{key}.mask[{k}]", lanes)
+        if lane["name"] in names:
+            yield f'{key}.name "{lane["name"]}" comes twice'
+        names.add(lane["name"])
+    if "junction" in lanes:
+        yield from _polygon(lanes["junction"], "junction", lanes)
+
+
+def _outside(points: list[list[float]], key: str, lanes: dict[str, Any]) -> Iterator[str]:
+    for i, (x, y) in enumerate(points):
+        if x > lanes["width"] or y > lanes["height"]:
+            yield f"{key}[{i}] is [{x}, {y}], outside of the picture of {lanes['width']} x {lanes['height']}"
+
+
+def _polygon(points: list[list[float]], key: str, lanes: dict[str, Any]) -> Iterator[str]:
+    yield from _outside(points, key, lanes)
+    turned = [*points[1:], points[0]]
+    if abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, turned, strict=True))) / 2 < LEAST_AREA_PX:
+        yield f"{key} has no area"
+
+
+def _across(lane: dict[str, Any], key: str) -> Iterator[str]:
+    """Vehicles drive across a line, not along it."""
+    (ax, ay), (bx, by) = lane["line"]
+    along = math.hypot(bx - ax, by - ay)
+    if along < LEAST_LINE_PX:
+        yield f"{key}.line is shorter than four pixels"
+    if abs(bx - ax if STEPS[lane["direction"]][0] == 0 else by - ay) < LEAST_ACROSS * along:
+        yield f"{key}.direction runs along the line of the lane; right would be the way that vehicles cross it"
 
 
 def draw(picture: Image.Image, lanes: dict[str, Any]) -> None:
