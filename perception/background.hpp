@@ -42,6 +42,8 @@ class Background {
     struct Sample {
         cv::Mat patch; ///< BGR
         double gain = 0.0;
+        cv::Mat objects;    ///< 255 where vehicles were found by somebody else; empty: to be found here
+        double clear = 1.0; ///< share of the usual contrast that the picture has (Haze)
     };
 
     /// Learns the road from these pictures of it, in the order of time.

@@ -8,6 +8,7 @@
 #include "can_interface.hpp"
 #include "can_socket.hpp"
 #include "counter.hpp"
+#include "detector.hpp"
 #include "error.hpp"
 #include "overlay.hpp"
 #include "program.hpp"
@@ -120,8 +121,8 @@ class CameraProgram {
         }
         take_reference();
         if (!file_.model.empty()) {
-            throw BadRequest(request.lanes +
-                             ": model is not supported by this build; right would be a file without it");
+            detector_ = std::make_unique<Detector>(file_.model);
+            counter_.find_with([this](const cv::Mat &bgr) { return detector_->find(bgr); });
         }
         if (!request.overlay.empty()) {
             overlay_ = std::make_unique<Overlay>(request.overlay);
@@ -212,6 +213,7 @@ class CameraProgram {
     Lines crossings_;
     Lines timing_;
     Timing clock_;
+    std::unique_ptr<Detector> detector_;
     std::unique_ptr<Overlay> overlay_;
     std::unique_ptr<CanSocket> can_;
     Record last_;

@@ -21,6 +21,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -35,6 +36,12 @@ class Counter {
     Counter &operator=(const Counter &) = delete;
     Counter(Counter &&) = delete;
     Counter &operator=(Counter &&) = delete;
+
+    /// Vehicles of a BGR picture as boxes, in its pixels.
+    using Finder = std::function<std::vector<cv::Rect2d>(const cv::Mat &)>;
+
+    /// Vehicles are what this one finds, in place of what differs from the road. Before the first frame.
+    void find_with(Finder finder);
 
     /// A picture of the empty road, in the size of the lane file: nothing need be learnt. Before the first frame.
     void reference(const cv::Mat &bgr);

@@ -254,6 +254,33 @@ cv::Mat Section::draw(const Blob &blob, double scale, std::vector<const Run *> &
     return shape;
 }
 
+/// What a gap in the mask has cut in two, a windscreen that looks like the road: parts of one lane, one behind the
+/// other, that together are no longer than one vehicle. Returns how many labels remain.
+int Section::join_short(cv::Mat &labels, int many) const {
+    constexpr double longest = 1.6; // typical vehicles; two that follow one another have a gap as well
+    constexpr double same_columns = 0.6;
+    constexpr double widest = 1.2; // lanes
+    const int most_rows = static_cast<int>(longest * vehicle_lanes * patch_unit);
+    const auto box_of = [&labels](int label) { return cv::boundingRect(labels == label); };
+    for (int a = 1; a <= many; ++a) {
+        for (int b = a + 1; b <= many; ++b) {
+            const cv::Rect one = box_of(a);
+            const cv::Rect two = box_of(b);
+            const cv::Rect both = one | two;
+            const int shared = std::min(one.br().x, two.br().x) - std::max(one.x, two.x);
+            if (both.height > most_rows || both.width > widest * patch_unit ||
+                shared < same_columns * std::min(one.width, two.width)) {
+                continue;
+            }
+            labels.setTo(a, labels == b);
+            labels.setTo(b, labels == many);
+            --many;
+            b = a; // the joined part may reach a third one
+        }
+    }
+    return many;
+}
+
 void Section::end(Blob &blob) {
     if (blob.runs.empty()) {
         return;
@@ -263,7 +290,8 @@ void Section::end(Blob &blob) {
     int left = 0;
     const cv::Mat shape = draw(blob, scale, row_runs, left);
     cv::Mat labels;
-    const int many = split_shape(shape, least_hill * patch_unit, labels);
+    const int split = split_shape(shape, least_hill * patch_unit, labels);
+    const int many = join_short(labels, split);
     std::vector<Part> parts;
     for (int label = 1; label <= many; ++label) {
         parts_of(labels, label, row_runs, left, scale, parts);
@@ -410,7 +438,7 @@ void Section::learn_typical(const Part &part, double seconds) {
         areas_.pop_front();
     }
     constexpr double shortest_s = 0.1;
-    constexpr double longest_s = 3.0;
+    constexpr double longest_s = 6.0;
     if (durations_.size() >= typical_least) {
         typical_s_ = std::clamp(median_of(durations_), shortest_s, longest_s);
     }

@@ -106,6 +106,7 @@ class Section {
 
     cv::Mat line_row(const cv::Mat &object, double dt_s);
     void grow(const cv::Mat &row, std::int64_t frame, double t_s);
+    int join_short(cv::Mat &labels, int many) const;
     void end(Blob &blob);
     cv::Mat draw(const Blob &blob, double scale, std::vector<const Run *> &row_runs, int &left) const;
     bool side_by_side(const cv::Mat &mine, const cv::Rect &box, const std::vector<const Run *> &row_runs, int left,
