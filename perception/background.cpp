@@ -109,7 +109,7 @@ std::pair<std::size_t, std::size_t> densest(const std::vector<std::pair<float, s
 
 } // namespace
 
-Background::Background(cv::Mat valid) : valid_(std::move(valid)) {
+Background::Background(cv::Mat valid, const Settings &settings) : valid_(std::move(valid)), settings_(settings) {
     still_s_ = cv::Mat::zeros(valid_.size(), CV_32F);
 }
 
@@ -217,14 +217,13 @@ cv::Mat Background::road_texture() const {
 }
 
 Background::Seen Background::look(const Sample &sample) {
-    constexpr double density_limit = 0.2;
     constexpr float plain_bright = 0.40F;
     Seen seen;
     logarithms(sample, seen);
     cv::Mat change = seen.light - light_;
     const float clear =
         day_ ? static_cast<float>(sample.clear) : 1.0F; // at night little is light, and all of it counts
-    const float texture_limit = std::max(0.07F * clear, 2.5F * noise_);
+    const float texture_limit = std::max(static_cast<float>(settings_.texture) * clear, 2.5F * noise_);
     cv::Mat texture = high_pass(change, fine_) > texture_limit;
     texture &= valid_;
     const cv::Mat plain = ~texture & valid_;
@@ -240,7 +239,7 @@ Background::Seen Background::look(const Sample &sample) {
     }
     cv::Mat density;
     texture.convertTo(density, CV_32F, 1.0 / 255);
-    cv::Mat sure = box(density, odd(0.28)) > density_limit;
+    cv::Mat sure = box(density, odd(0.28)) > settings_.density;
     if (day_) {
         sure |= change > plain_bright * clear;
         // A light or coloured roof that is smooth, beside what is sure to be a vehicle; a patch of sun has none at its

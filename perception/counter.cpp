@@ -163,7 +163,7 @@ struct Counter::Impl {
         std::vector<Background::Sample> kept;
     };
 
-    explicit Impl(const LaneFile &lane_file);
+    Impl(const LaneFile &lane_file, const Settings &settings);
 
     double step_of(double now_s);
     bool is_cut(double change);
@@ -180,6 +180,7 @@ struct Counter::Impl {
     [[nodiscard]] bool caught_up() const;
     void rebase();
     void pause(double step_s);
+    bool moved_for_good(const Registration::Result &placed, double step_s);
     void resume();
     [[nodiscard]] Reason reason(std::size_t lane) const;
 
@@ -202,6 +203,9 @@ struct Counter::Impl {
     double learnt_for_s = 0.0;
     double zone_step_s = 0.0;
     double paused_s = 0.0;
+    cv::Point2d home_px;  ///< shift that is taken for right
+    cv::Point2d stays_px; ///< shift of a camera that has moved
+    double stays_s = 0.0; ///< ... since when
     double agreement = 1.0;
     Finder finder;      ///< none: vehicles are what differs from the road
     cv::Mat found;      ///< 255 inside of what it found in this frame
@@ -213,7 +217,7 @@ struct Counter::Impl {
     double dt_s = 0.04;
 };
 
-Counter::Impl::Impl(const LaneFile &lane_file)
+Counter::Impl::Impl(const LaneFile &lane_file, const Settings &settings)
     : file(lane_file), registration(traffic_of(lane_file)), health(traffic_of(lane_file)) {
     const cv::Size picture(file.width_px, file.height_px);
     double width_px = 0;
@@ -221,12 +225,12 @@ Counter::Impl::Impl(const LaneFile &lane_file)
         std::vector<Lane> lanes(indices.size());
         std::transform(indices.begin(), indices.end(), lanes.begin(),
                        [this](int i) { return ordered(file.lanes[static_cast<std::size_t>(i)]); });
-        roads.push_back({std::make_unique<Section>(lanes, picture), indices, {}});
+        roads.push_back({std::make_unique<Section>(lanes, picture, settings), indices, {}});
         width_px = std::max(width_px, roads.back().section->patch().lane_width_px());
     }
     for (std::size_t i = 0; i < file.lanes.size(); ++i) {
         if (!file.lanes[i].zone_px.empty()) {
-            zones.push_back({std::make_unique<Presence>(file.lanes[i], picture), i, {}, {}});
+            zones.push_back({std::make_unique<Presence>(file.lanes[i], picture, settings), i, {}, {}});
         }
     }
     if (!file.junction_px.empty()) {
@@ -454,6 +458,24 @@ void Counter::Impl::resume() {
     paused_s = 0;
 }
 
+/// A camera that has been moved and stays there: the lanes go along with the picture, which is their home from then on.
+/// Only what was shifted; where a turned or zoomed picture has its lanes is not known.
+bool Counter::Impl::moved_for_good(const Registration::Result &placed, double step_s) {
+    constexpr double stays_for_s = 60.0;
+    constexpr double near_px = 3.0;
+    const bool stays = health.fault() == Reason::moved && placed.sure && cv::norm(placed.shift_px - stays_px) < near_px;
+    stays_s = stays ? stays_s + step_s : 0.0;
+    if (!stays) {
+        stays_px = placed.shift_px;
+    }
+    if (stays_s < stays_for_s) {
+        return false;
+    }
+    home_px = placed.shift_px;
+    stays_s = 0;
+    return true;
+}
+
 Reason Counter::Impl::reason(std::size_t lane) const {
     if (health.fault() != Reason::ok) {
         return health.fault();
@@ -464,7 +486,7 @@ Reason Counter::Impl::reason(std::size_t lane) const {
     return learning || unknown ? Reason::learning : Reason::ok;
 }
 
-Counter::Counter(const LaneFile &file) : impl_(std::make_unique<Impl>(file)) {}
+Counter::Counter(const LaneFile &file, const Settings &settings) : impl_(std::make_unique<Impl>(file, settings)) {}
 Counter::~Counter() = default;
 
 void Counter::find_with(Finder finder) {
@@ -505,8 +527,9 @@ void Counter::feed(const cv::Mat &bgr, double t_s) {
     }
     Registration::Result placed = my.registration.follow(bgr);
     my.agreement = placed.agreement;
-    my.health.placed(cv::norm(placed.shift_px), placed.sure, step_s);
-    if (my.is_cut(placed.change)) {
+    const bool settled = my.moved_for_good(placed, step_s);
+    my.health.placed(cv::norm(placed.shift_px - my.home_px), placed.sure, step_s);
+    if (my.is_cut(placed.change) || settled) {
         my.learn_anew();
         my.registration.rebase();
         placed.gain = 0;

@@ -30,7 +30,7 @@ namespace elmopp {
 
 class Counter {
   public:
-    explicit Counter(const LaneFile &file);
+    explicit Counter(const LaneFile &file, const Settings &settings = Settings{});
     ~Counter();
     Counter(const Counter &) = delete;
     Counter &operator=(const Counter &) = delete;

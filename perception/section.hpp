@@ -36,7 +36,7 @@ struct Crossing {
 class Section {
   public:
     /// `lanes`: side by side, all of one direction.
-    Section(const std::vector<Lane> &lanes, cv::Size picture);
+    Section(const std::vector<Lane> &lanes, cv::Size picture, const Settings &settings = Settings{});
 
     [[nodiscard]] const Patch &patch() const {
         return patch_;
@@ -88,7 +88,8 @@ class Section {
         double position = 0.0;
         bool open = true;
         double moved = 0.0; ///< signed rows, where the odometer is sure
-        double wrong = 0.0; ///< ... of them against the direction
+        int forwards = 0;   ///< measured steps in the direction of the lane
+        int backwards = 0;  ///< ... and against it
     };
     struct Part {
         int lane = 0;
@@ -120,6 +121,7 @@ class Section {
     [[nodiscard]] double progress_of(int first, int last) const;
 
     std::vector<Lane> lanes_;
+    Settings settings_;
     Patch patch_;
     Background background_;
     std::vector<Odometer> odometers_;

@@ -37,7 +37,8 @@ const char *word_of(Direction direction) {
 }
 
 Json truth_of(const Road &road, const std::string &name, double seconds, cv::Size size) {
-    constexpr double tolerance_s = 0.56;
+    // Who creeps over the line has no sharp moment in which his middle is there.
+    const double tolerance_s = std::max(0.56, 4.0 / road.flow.speed_m_s);
     constexpr double look_s = 2.0;
     const auto frame_of = [&road](double t_s) { return std::lround(t_s * road.rate); };
     const elmopp::LaneFile file = road.lanes();

@@ -142,7 +142,7 @@ const std::map<std::string, Maker> &makers() {
          [](double s) {
              Road road = usual();
              road.scene.focal_widths = 3;
-             road.flow.line_m = 40;
+             road.flow.line_m = 60;
              road.scene.camera_m = 9;
              return with(road, {}, s);
          }},
@@ -229,6 +229,7 @@ const std::map<std::string, Maker> &makers() {
          [](double s) {
              Traffic traffic;
              traffic.speed_m_s = 2.5;
+             traffic.gap_s = 4;
              return with(usual(), traffic, s);
          }},
         {"shadows",

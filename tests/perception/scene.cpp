@@ -40,6 +40,18 @@ cv::Point2d Scene::place(double aside, double away, double up) const {
             horizon_share * size_.height + focal_px * (camera_m - up) / depth};
 }
 
+cv::Rect2d Scene::box_of(const SceneCar &car) const {
+    const double aside = middle_m(car.lane) + car.aside_m;
+    std::vector<cv::Point2f> corners;
+    for (const double side : {-car.width_m / 2, car.width_m / 2}) {
+        for (const double along : {0.0, car.length_m}) {
+            corners.emplace_back(place(aside + side, car.at_m + along, 0));
+            corners.emplace_back(place(aside + side, car.at_m + along, car.height_m));
+        }
+    }
+    return cv::Rect2d(cv::boundingRect(corners));
+}
+
 /// A flat piece of the world, cut off where it comes too near to the camera.
 void Scene::fill(cv::Mat &picture, const std::vector<Spot> &corners, const cv::Scalar &colour) const {
     constexpr int shift = 4;

@@ -53,6 +53,9 @@ class Scene {
     /// Where a point of the road is in the picture.
     [[nodiscard]] cv::Point2d place(double aside_m, double away_m, double up_m) const;
 
+    /// The box about a car in the picture.
+    [[nodiscard]] cv::Rect2d box_of(const SceneCar &car) const;
+
   private:
     struct Spot {
         double aside_m;
