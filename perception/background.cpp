@@ -74,6 +74,24 @@ float quantile(const cv::Mat &of, const cv::Mat &where, double share) {
     return *at;
 }
 
+/// What a vehicle's outline encloses is the vehicle: a roof without edges.
+void fill_holes(cv::Mat &mask) {
+    constexpr double largest = 0.6; // lane widths squared
+    const cv::Mat outside_in = ~mask;
+    cv::Mat labels;
+    cv::Mat stats;
+    cv::Mat middles;
+    const int many = cv::connectedComponentsWithStats(outside_in, labels, stats, middles, 4, CV_32S);
+    for (int i = 1; i < many; ++i) {
+        const cv::Rect box(stats.at<int>(i, cv::CC_STAT_LEFT), stats.at<int>(i, cv::CC_STAT_TOP),
+                           stats.at<int>(i, cv::CC_STAT_WIDTH), stats.at<int>(i, cv::CC_STAT_HEIGHT));
+        const bool inside = box.x > 0 && box.y > 0 && box.br().x < mask.cols && box.br().y < mask.rows;
+        if (inside && stats.at<int>(i, cv::CC_STAT_AREA) < largest * patch_unit * patch_unit) {
+            mask.setTo(255, labels == i);
+        }
+    }
+}
+
 /// Mean of the shortest stretch of sorted values that holds `share` of them, and where it begins.
 std::pair<std::size_t, std::size_t> densest(const std::vector<std::pair<float, std::size_t>> &sorted, double share) {
     const auto many = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(sorted.size())));
@@ -91,7 +109,7 @@ std::pair<std::size_t, std::size_t> densest(const std::vector<std::pair<float, s
 
 } // namespace
 
-Background::Background(cv::Mat valid) : valid_(std::move(valid)) {
+Background::Background(cv::Mat valid, const Settings &settings) : valid_(std::move(valid)), settings_(settings) {
     still_s_ = cv::Mat::zeros(valid_.size(), CV_32F);
 }
 
@@ -199,12 +217,13 @@ cv::Mat Background::road_texture() const {
 }
 
 Background::Seen Background::look(const Sample &sample) {
-    constexpr double density_limit = 0.2;
     constexpr float plain_bright = 0.40F;
     Seen seen;
     logarithms(sample, seen);
     cv::Mat change = seen.light - light_;
-    const float texture_limit = std::max(0.07F, 2.5F * noise_);
+    const float clear =
+        day_ ? static_cast<float>(sample.clear) : 1.0F; // at night little is light, and all of it counts
+    const float texture_limit = std::max(static_cast<float>(settings_.texture) * clear, 2.5F * noise_);
     cv::Mat texture = high_pass(change, fine_) > texture_limit;
     texture &= valid_;
     const cv::Mat plain = ~texture & valid_;
@@ -214,22 +233,32 @@ Background::Seen Background::look(const Sample &sample) {
     const cv::Mat red_change = cv::abs(seen.red - red_);
     const cv::Mat blue_change = cv::abs(seen.blue - blue_);
     const cv::Mat colour = cv::max(red_change, blue_change);
-    cv::Mat may = texture | (colour > colour_limit) | (change < dark_limit);
+    cv::Mat may = texture | (colour > colour_limit * clear) | (change < dark_limit * clear);
     if (day_) {
-        may |= change > bright_limit;
+        may |= change > bright_limit * clear;
     }
     cv::Mat density;
     texture.convertTo(density, CV_32F, 1.0 / 255);
-    cv::Mat sure = box(density, odd(0.28)) > density_limit;
+    cv::Mat sure = box(density, odd(0.28)) > settings_.density;
     if (day_) {
-        sure |= change > plain_bright;
+        sure |= change > plain_bright * clear;
+        // A light or coloured roof that is smooth, beside what is sure to be a vehicle; a patch of sun has none at its
+        // rim, and a shadow no colour of its own.
+        cv::Mat near;
+        cv::dilate(sure & may, near, cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(odd(0.6), odd(0.6))));
+        sure |= near & ((change > bright_limit * clear) | (colour > colour_limit * clear));
     }
     seen.object = may & sure & valid_;
     const cv::Mat close = cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(odd(0.15), odd(0.15)));
     const cv::Mat open = cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(odd(0.20), odd(0.20)));
     cv::morphologyEx(seen.object, seen.object, cv::MORPH_CLOSE, close);
     cv::morphologyEx(seen.object, seen.object, cv::MORPH_OPEN, open);
-    seen.candidate = (texture | (cv::abs(change) > bright_limit) | (colour > 0.10F) | seen.object) & valid_;
+    fill_holes(seen.object);
+    if (!sample.objects.empty()) {
+        seen.object = sample.objects & valid_;
+    }
+    seen.candidate =
+        (texture | (cv::abs(change) > bright_limit * clear) | (colour > 0.10F * clear) | seen.object) & valid_;
     // Rows that a vehicle covers, also one between two lanes.
     cv::Mat width;
     seen.object.convertTo(width, CV_32F, 1.0 / 255);

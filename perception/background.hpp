@@ -16,6 +16,8 @@
 
 #pragma once
 
+#include "settings.hpp"
+
 #include <opencv2/core.hpp>
 
 #include <vector>
@@ -25,7 +27,7 @@ namespace elmopp {
 class Background {
   public:
     /// `valid`: 255 where a pixel counts.
-    explicit Background(cv::Mat valid);
+    explicit Background(cv::Mat valid, const Settings &settings = Settings{});
 
     /// What a picture shows, in the size of the patch.
     struct Seen {
@@ -42,6 +44,8 @@ class Background {
     struct Sample {
         cv::Mat patch; ///< BGR
         double gain = 0.0;
+        cv::Mat objects;    ///< 255 where vehicles were found by somebody else; empty: to be found here
+        double clear = 1.0; ///< share of the usual contrast that the picture has (Haze)
     };
 
     /// Learns the road from these pictures of it, in the order of time.
@@ -83,6 +87,7 @@ class Background {
     [[nodiscard]] cv::Mat ghosts(const Seen &seen, double ghost_s) const;
 
     cv::Mat valid_;
+    Settings settings_;
     cv::Mat light_;
     cv::Mat red_;
     cv::Mat blue_;

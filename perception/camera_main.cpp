@@ -8,6 +8,7 @@
 #include "can_interface.hpp"
 #include "can_socket.hpp"
 #include "counter.hpp"
+#include "detector.hpp"
 #include "error.hpp"
 #include "overlay.hpp"
 #include "program.hpp"
@@ -23,6 +24,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <iostream>
@@ -46,8 +48,26 @@ struct CameraRequest {
     std::string overlay;
     std::string crossings;
     std::string timing;
+    std::vector<std::string> tries;
     double seconds = 0.0;
 };
+
+/// The defaults, but for those that are tried.
+Settings settings_of(const CameraRequest &request) {
+    Settings settings;
+    for (const std::string &one : request.tries) {
+        const std::size_t equals = one.find('=');
+        double *const setting = setting_named(settings, one.substr(0, equals));
+        char *end = nullptr;
+        const std::string value = equals == std::string::npos ? "" : one.substr(equals + 1);
+        const double number = std::strtod(value.c_str(), &end);
+        if (setting == nullptr || value.empty() || *end != '\0' || !(number > 0)) {
+            throw BadRequest("--try " + one + ": right would be NAME=VALUE with a name from perception/settings.hpp");
+        }
+        *setting = number;
+    }
+    return settings;
+}
 
 /// Lines that are written at once: somebody may be reading them.
 class Lines {
@@ -112,7 +132,7 @@ class Timing {
 class CameraProgram {
   public:
     explicit CameraProgram(const CameraRequest &request)
-        : request_(request), file_(read_lane_file(request.lanes)), counter_(file_), bus_(file_),
+        : request_(request), file_(read_lane_file(request.lanes)), counter_(file_, settings_of(request)), bus_(file_),
           jsonl_("--jsonl", request.jsonl), crossings_("--crossings", request.crossings),
           timing_("--timing", request.timing) {
         for (const std::string &warning : lane_file_warnings(file_)) {
@@ -120,8 +140,8 @@ class CameraProgram {
         }
         take_reference();
         if (!file_.model.empty()) {
-            throw BadRequest(request.lanes +
-                             ": model is not supported by this build; right would be a file without it");
+            detector_ = std::make_unique<Detector>(file_.model);
+            counter_.find_with([this](const cv::Mat &bgr) { return detector_->find(bgr); });
         }
         if (!request.overlay.empty()) {
             overlay_ = std::make_unique<Overlay>(request.overlay);
@@ -212,6 +232,7 @@ class CameraProgram {
     Lines crossings_;
     Lines timing_;
     Timing clock_;
+    std::unique_ptr<Detector> detector_;
     std::unique_ptr<Overlay> overlay_;
     std::unique_ptr<CanSocket> can_;
     Record last_;
@@ -322,6 +343,7 @@ void describe_camera(CLI::App &app, CameraRequest &request) {
                    "Video (.avi, .mp4) or picture (.png, .jpg: the last frame) to draw on");
     app.add_option("--crossings", request.crossings, "File for each crossing as a line of JSON; - is stdout");
     app.add_option("--timing", request.timing, "File for what the program cost, for tools/score-counter");
+    app.add_option("--try", request.tries, "NAME=VALUE in place of a default, for tools/score-counter --leave-one-out");
     app.add_option("--seconds", request.seconds, "End after so long")->check(CLI::PositiveNumber);
 }
 

@@ -3,6 +3,7 @@
 
 #include "counter.hpp"
 
+#include "haze.hpp"
 #include "health.hpp"
 #include "junction_box.hpp"
 #include "presence.hpp"
@@ -83,6 +84,36 @@ cv::Mat traffic_of(const LaneFile &file) {
     return traffic;
 }
 
+constexpr double contact_share = 0.2; ///< of a box's height: there the vehicle touches the road
+
+/// Boxes as a mask: without what leans over neighbours, and whoever is nearer stands out from whoever is behind.
+cv::Mat mask_of(std::vector<cv::Rect2d> boxes, cv::Size picture) {
+    constexpr double side = 0.1;
+    constexpr double top = 0.25;
+    constexpr double rim = 0.06;
+    const auto nearer = [](const cv::Rect2d &a, const cv::Rect2d &b) { return a.br().y < b.br().y; };
+    std::stable_sort(boxes.begin(), boxes.end(), nearer);
+    cv::Mat mask = cv::Mat::zeros(picture, CV_8U);
+    for (const cv::Rect2d &box : boxes) {
+        const double rim_px = std::max(1.0, rim * box.width);
+        const cv::Rect2d core(box.x + side * box.width, box.y + top * box.height, (1 - 2 * side) * box.width,
+                              (1 - top) * box.height);
+        const cv::Rect2d around(core.x - rim_px, core.y - rim_px, core.width + 2 * rim_px, core.height + 2 * rim_px);
+        cv::rectangle(mask, cv::Rect(around), cv::Scalar(0), cv::FILLED);
+        cv::rectangle(mask, cv::Rect(core), cv::Scalar(255), cv::FILLED);
+    }
+    return mask;
+}
+
+int middle_of(std::deque<int> values) {
+    if (values.empty()) {
+        return 0;
+    }
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
 } // namespace
 
 const char *reason_name(Reason reason) {
@@ -125,13 +156,14 @@ struct Counter::Impl {
         std::unique_ptr<Presence> presence;
         std::size_t lane;
         std::vector<Background::Sample> kept;
+        std::deque<int> boxes; ///< in the zone, of the last second, if vehicles are found by a finder
     };
     struct Box {
         std::unique_ptr<JunctionBox> junction;
         std::vector<Background::Sample> kept;
     };
 
-    explicit Impl(const LaneFile &lane_file);
+    Impl(const LaneFile &lane_file, const Settings &settings);
 
     double step_of(double now_s);
     bool is_cut(double change);
@@ -140,11 +172,15 @@ struct Counter::Impl {
     void collect(Road &road);
     void learn_anew();
     void end_learning();
+    void find(const cv::Mat &bgr, const cv::Point2d &shift_px);
+    [[nodiscard]] Background::Sample sample_of(const Patch &patch, const cv::Mat &bgr,
+                                               const Registration::Result &placed) const;
     void feed_roads(const cv::Mat &bgr, const Registration::Result &placed, double step_s);
     void feed_zones(const cv::Mat &bgr, const Registration::Result &placed, double step_s);
     [[nodiscard]] bool caught_up() const;
     void rebase();
     void pause(double step_s);
+    bool moved_for_good(const Registration::Result &placed, double step_s);
     void resume();
     [[nodiscard]] Reason reason(std::size_t lane) const;
 
@@ -153,6 +189,7 @@ struct Counter::Impl {
     LaneFile file;
     Registration registration;
     Health health;
+    Haze haze;
     std::vector<Road> roads;
     std::vector<Zone> zones;
     std::optional<Box> box;
@@ -166,7 +203,13 @@ struct Counter::Impl {
     double learnt_for_s = 0.0;
     double zone_step_s = 0.0;
     double paused_s = 0.0;
+    cv::Point2d home_px;  ///< shift that is taken for right
+    cv::Point2d stays_px; ///< shift of a camera that has moved
+    double stays_s = 0.0; ///< ... since when
     double agreement = 1.0;
+    Finder finder;      ///< none: vehicles are what differs from the road
+    cv::Mat found;      ///< 255 inside of what it found in this frame
+    double clear = 1.0; ///< contrast of the picture
     bool learning = true;
     std::int64_t frame = -1;
     double t_s = 0.0;
@@ -174,7 +217,7 @@ struct Counter::Impl {
     double dt_s = 0.04;
 };
 
-Counter::Impl::Impl(const LaneFile &lane_file)
+Counter::Impl::Impl(const LaneFile &lane_file, const Settings &settings)
     : file(lane_file), registration(traffic_of(lane_file)), health(traffic_of(lane_file)) {
     const cv::Size picture(file.width_px, file.height_px);
     double width_px = 0;
@@ -182,12 +225,12 @@ Counter::Impl::Impl(const LaneFile &lane_file)
         std::vector<Lane> lanes(indices.size());
         std::transform(indices.begin(), indices.end(), lanes.begin(),
                        [this](int i) { return ordered(file.lanes[static_cast<std::size_t>(i)]); });
-        roads.push_back({std::make_unique<Section>(lanes, picture), indices, {}});
+        roads.push_back({std::make_unique<Section>(lanes, picture, settings), indices, {}});
         width_px = std::max(width_px, roads.back().section->patch().lane_width_px());
     }
     for (std::size_t i = 0; i < file.lanes.size(); ++i) {
         if (!file.lanes[i].zone_px.empty()) {
-            zones.push_back({std::make_unique<Presence>(file.lanes[i], picture), i, {}});
+            zones.push_back({std::make_unique<Presence>(file.lanes[i], picture, settings), i, {}, {}});
         }
     }
     if (!file.junction_px.empty()) {
@@ -311,9 +354,41 @@ void Counter::Impl::end_learning() {
     learning = false;
 }
 
+/// Asks the finder, and makes what it found a mask for the lines and numbers for the zones.
+void Counter::Impl::find(const cv::Mat &bgr, const cv::Point2d &shift_px) {
+    constexpr double memory_s = 1.0;
+    if (!finder) {
+        return;
+    }
+    std::vector<cv::Rect2d> boxes = finder(bgr);
+    found = mask_of(boxes, bgr.size());
+    const auto memory = static_cast<std::size_t>(std::max(1.0, std::round(memory_s / dt_s)));
+    for (Zone &zone : zones) {
+        const Polygon &polygon = file.lanes[zone.lane].zone_px;
+        const std::vector<cv::Point2f> corners(polygon.begin(), polygon.end());
+        zone.boxes.push_back(static_cast<int>(std::count_if(boxes.begin(), boxes.end(), [&](const cv::Rect2d &one) {
+            const cv::Point2d contact(one.x + one.width / 2, one.y + (1 - contact_share / 2) * one.height);
+            return cv::pointPolygonTest(corners, cv::Point2f(contact - shift_px), false) >= 0;
+        })));
+        while (zone.boxes.size() > memory) {
+            zone.boxes.pop_front();
+        }
+    }
+}
+
+Background::Sample Counter::Impl::sample_of(const Patch &patch, const cv::Mat &bgr,
+                                            const Registration::Result &placed) const {
+    constexpr double half = 127;
+    Background::Sample sample{patch.sample(bgr, placed.shift_px), placed.gain, cv::Mat(), clear};
+    if (!found.empty()) {
+        sample.objects = patch.sample(found, placed.shift_px) > half;
+    }
+    return sample;
+}
+
 void Counter::Impl::feed_roads(const cv::Mat &bgr, const Registration::Result &placed, double step_s) {
     for (Road &road : roads) {
-        keep_or_count(road, {{road.section->patch().sample(bgr, placed.shift_px), placed.gain}, frame, t_s, step_s});
+        keep_or_count(road, {sample_of(road.section->patch(), bgr, placed), frame, t_s, step_s});
     }
 }
 
@@ -326,7 +401,7 @@ void Counter::Impl::feed_zones(const cv::Mat &bgr, const Registration::Result &p
         return;
     }
     for (Zone &zone : zones) {
-        const Background::Sample sample{zone.presence->patch().sample(bgr, placed.shift_px), placed.gain};
+        const Background::Sample sample = sample_of(zone.presence->patch(), bgr, placed);
         if (learning) {
             if (zone.kept.empty()) {
                 zone.presence->assume(sample);
@@ -337,7 +412,7 @@ void Counter::Impl::feed_zones(const cv::Mat &bgr, const Registration::Result &p
         }
     }
     if (box) {
-        const Background::Sample sample{box->junction->patch().sample(bgr, placed.shift_px), placed.gain};
+        const Background::Sample sample = sample_of(box->junction->patch(), bgr, placed);
         if (learning) {
             box->kept.push_back(sample);
         } else {
@@ -383,23 +458,46 @@ void Counter::Impl::resume() {
     paused_s = 0;
 }
 
+/// A camera that has been moved and stays there: the lanes go along with the picture, which is their home from then on.
+/// Only what was shifted; where a turned or zoomed picture has its lanes is not known.
+bool Counter::Impl::moved_for_good(const Registration::Result &placed, double step_s) {
+    constexpr double stays_for_s = 60.0;
+    constexpr double near_px = 3.0;
+    const bool stays = health.fault() == Reason::moved && placed.sure && cv::norm(placed.shift_px - stays_px) < near_px;
+    stays_s = stays ? stays_s + step_s : 0.0;
+    if (!stays) {
+        stays_px = placed.shift_px;
+    }
+    if (stays_s < stays_for_s) {
+        return false;
+    }
+    home_px = placed.shift_px;
+    stays_s = 0;
+    return true;
+}
+
 Reason Counter::Impl::reason(std::size_t lane) const {
     if (health.fault() != Reason::ok) {
         return health.fault();
     }
-    const bool unknown = std::any_of(
-        zones.begin(), zones.end(), [lane](const Zone &zone) { return zone.lane == lane && zone.presence->unknown(); });
+    const bool unknown = !finder && std::any_of(zones.begin(), zones.end(), [lane](const Zone &zone) {
+        return zone.lane == lane && zone.presence->unknown();
+    });
     return learning || unknown ? Reason::learning : Reason::ok;
 }
 
-Counter::Counter(const LaneFile &file) : impl_(std::make_unique<Impl>(file)) {}
+Counter::Counter(const LaneFile &file, const Settings &settings) : impl_(std::make_unique<Impl>(file, settings)) {}
 Counter::~Counter() = default;
+
+void Counter::find_with(Finder finder) {
+    impl_->finder = std::move(finder);
+}
 
 void Counter::reference(const cv::Mat &bgr) {
     Impl &my = *impl_;
     const Registration::Result placed = my.registration.follow(bgr);
     const auto sample_of = [&](const Patch &patch) {
-        return std::vector<Background::Sample>{{patch.sample(bgr, placed.shift_px), placed.gain}};
+        return std::vector<Background::Sample>{my.sample_of(patch, bgr, placed)};
     };
     for (Impl::Road &road : my.roads) {
         road.section->background().learn(sample_of(road.section->patch()));
@@ -429,8 +527,9 @@ void Counter::feed(const cv::Mat &bgr, double t_s) {
     }
     Registration::Result placed = my.registration.follow(bgr);
     my.agreement = placed.agreement;
-    my.health.placed(cv::norm(placed.shift_px), placed.sure, step_s);
-    if (my.is_cut(placed.change)) {
+    const bool settled = my.moved_for_good(placed, step_s);
+    my.health.placed(cv::norm(placed.shift_px - my.home_px), placed.sure, step_s);
+    if (my.is_cut(placed.change) || settled) {
         my.learn_anew();
         my.registration.rebase();
         placed.gain = 0;
@@ -443,6 +542,8 @@ void Counter::feed(const cv::Mat &bgr, double t_s) {
         return;
     }
     my.resume();
+    my.clear = my.haze.follow(bgr, step_s);
+    my.find(bgr, placed.shift_px);
     my.feed_roads(bgr, placed, step_s);
     my.feed_zones(bgr, placed, step_s);
     my.learnt_for_s += my.learning ? step_s : 0.0;
@@ -499,7 +600,7 @@ Record Counter::glance() const {
         record.lanes.push_back(lane);
     }
     for (const Impl::Zone &zone : my.zones) {
-        record.lanes[zone.lane].present = zone.presence->present();
+        record.lanes[zone.lane].present = my.finder ? middle_of(zone.boxes) : zone.presence->present();
     }
     for (const Impl::Road &road : my.roads) {
         const double light = road.section->background().day() ? 1.0 : night_confidence;

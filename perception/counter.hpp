@@ -21,6 +21,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -29,12 +30,18 @@ namespace elmopp {
 
 class Counter {
   public:
-    explicit Counter(const LaneFile &file);
+    explicit Counter(const LaneFile &file, const Settings &settings = Settings{});
     ~Counter();
     Counter(const Counter &) = delete;
     Counter &operator=(const Counter &) = delete;
     Counter(Counter &&) = delete;
     Counter &operator=(Counter &&) = delete;
+
+    /// Vehicles of a BGR picture as boxes, in its pixels.
+    using Finder = std::function<std::vector<cv::Rect2d>(const cv::Mat &)>;
+
+    /// Vehicles are what this one finds, in place of what differs from the road. Before the first frame.
+    void find_with(Finder finder);
 
     /// A picture of the empty road, in the size of the lane file: nothing need be learnt. Before the first frame.
     void reference(const cv::Mat &bgr);

@@ -108,15 +108,23 @@ Reason Health::judge_texture(const cv::Mat &grey, double dt_s) {
 Reason Health::judge(const cv::Mat &grey, double dt_s) {
     constexpr double black_grey = 14.0;
     constexpr double white_grey = 225.0;
-    constexpr double flat = 8.0;
+    constexpr double flat = 12.0;
+    constexpr double without_anything = 0.6; // a dark street has its lamps and their light
     cv::Scalar mean;
     cv::Scalar deviation;
     cv::meanStdDev(grey, mean, deviation);
     const bool frozen = is_frozen(grey, dt_s);
-    if (mean[0] < black_grey && deviation[0] < flat) {
-        return Reason::black;
+    if (mean[0] < black_grey) {
+        cv::Mat coarse; // without the sensor's noise
+        cv::resize(grey, coarse, cv::Size(cell_columns * 5, cell_rows * 5), 0, 0, cv::INTER_AREA);
+        cv::Scalar unused;
+        cv::Scalar structure;
+        cv::meanStdDev(coarse, unused, structure);
+        if (structure[0] < without_anything) {
+            return Reason::black;
+        }
     }
-    if (mean[0] > white_grey && deviation[0] < flat + 4) {
+    if (mean[0] > white_grey && deviation[0] < flat) {
         return Reason::white;
     }
     const Reason texture = judge_texture(grey, dt_s);

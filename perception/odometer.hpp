@@ -2,7 +2,9 @@
 // Copyright 2026 The ELMOPP authors
 
 /// How far the vehicles of one lane have moved from frame to frame, along the patch: the pictures of the objects,
-/// shifted until they fit best. Forwards and backwards, so that rocking comes to nothing.
+/// shifted until they fit best. Forwards and backwards, so that rocking comes to nothing. The picture that the others
+/// are held against is kept until something has moved away from it, or for a quarter of a second: who creeps moves by
+/// less than a row a frame, the less the more frames there are.
 ///
 /// It is sure, or it is not: then a lane is taken to move at its usual speed, which it learns. Owner: a section.
 
@@ -40,8 +42,13 @@ class Odometer {
     }
 
   private:
-    cv::Mat before_;
+    bool measure(const cv::Mat &few, const cv::Mat &few_mask, float noise, double dt_s);
+    void learn_speed(double rows);
+
+    cv::Mat before_; ///< what is held against
     cv::Mat before_mask_;
+    double age_s_ = 0.0; ///< of `before_`
+    double told_ = 0.0;  ///< rows since then that have been told
     Step step_;
     std::deque<double> speeds_;
     double usual_ = 0.0;

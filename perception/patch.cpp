@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 namespace elmopp {
@@ -45,6 +46,37 @@ bool cut(const Polygon &zone, bool vertical, double at, double &low, double &hig
         found = true;
     }
     return found;
+}
+
+/// The part of a zone, along its axis, that is as wide as its sides say: where an end is slanted the zone runs out into
+/// a corner, whose width says nothing about how far away it is.
+std::pair<double, double> full_part(const Polygon &zone, bool vertical, double first, double last) {
+    constexpr double least_share = 0.6;
+    std::vector<cv::Vec2d> widths; // position, width
+    for (double at = first + 0.5; at < last; at += 1.0) {
+        double low = 0;
+        double high = 0;
+        if (cut(zone, vertical, at, low, high)) {
+            widths.emplace_back(at, high - low);
+        }
+    }
+    if (widths.size() < 4) {
+        return {first, last};
+    }
+    std::vector<cv::Point2f> middle; // the half between the ends
+    for (std::size_t i = widths.size() / 4; i <= widths.size() * 3 / 4; ++i) {
+        middle.emplace_back(static_cast<float>(widths[i][0]), static_cast<float>(widths[i][1]));
+    }
+    cv::Vec4f line;
+    cv::fitLine(middle, line, cv::DIST_L2, 0, 0.01, 0.01);
+    const double slope = std::abs(line[0]) > 1e-6F ? static_cast<double>(line[1]) / static_cast<double>(line[0]) : 0.0;
+    const auto full = [&](const cv::Vec2d &row) {
+        const double wanted = static_cast<double>(line[3]) + slope * (row[0] - static_cast<double>(line[2]));
+        return row[1] >= least_share * wanted;
+    };
+    const auto begin = std::find_if(widths.begin(), widths.end(), full);
+    const auto end = std::find_if(widths.rbegin(), widths.rend(), full);
+    return begin == widths.end() ? std::pair(first, last) : std::pair((*begin)[0] - 0.5, (*end)[0] + 0.5);
 }
 
 } // namespace
@@ -95,6 +127,7 @@ Patch Patch::along(const Lane &lane, cv::Size picture) {
         first = std::min(first, vertical ? corner.y : corner.x);
         last = std::max(last, vertical ? corner.y : corner.x);
     }
+    std::tie(first, last) = full_part(lane.zone_px, vertical, first, last);
     // Rows from the near end of the axis to its far end; turned round at the end if vehicles come from there.
     std::vector<cv::Vec3d> rows; // position, low end, high end
     double at = first + 0.5;
@@ -201,7 +234,7 @@ cv::Mat Patch::sample(const cv::Mat &frame, const cv::Point2d &shift_px) const {
                           needed_.br() + moved + cv::Point(average_px_, average_px_));
     const cv::Rect part = wanted & cv::Rect(cv::Point(0, 0), frame.size());
     if (part.area() == 0) {
-        return cv::Mat::zeros(size(), CV_8UC3);
+        return cv::Mat::zeros(size(), frame.type());
     }
     cv::Mat source = frame(part);
     if (average_px_ > 1) {

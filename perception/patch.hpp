@@ -34,7 +34,8 @@ class Patch {
     /// drawn in full; a larger box gets longer steps.
     static Patch over(const Polygon &polygon, double lane_px, cv::Size picture);
 
-    /// The piece of this BGR picture, whose content is moved by `shift_px` from where the lane file has it.
+    /// The piece of this picture (BGR, or a mask), whose content is moved by `shift_px` from where the lane file has
+    /// it.
     [[nodiscard]] cv::Mat sample(const cv::Mat &frame, const cv::Point2d &shift_px) const;
 
     [[nodiscard]] cv::Size size() const {

@@ -40,8 +40,8 @@ double place_of_line(const Lane &lane) {
 
 } // namespace
 
-Presence::Presence(const Lane &lane, cv::Size picture)
-    : patch_(Patch::along(lane, picture)), background_(patch_.valid()), line_at_(place_of_line(lane)) {
+Presence::Presence(const Lane &lane, cv::Size picture, const Settings &settings)
+    : patch_(Patch::along(lane, picture)), background_(patch_.valid(), settings), line_at_(place_of_line(lane)) {
     constexpr double lowest_m = 4.0;
     constexpr double highest_m = 25.0;
     focal_px_ = focal_widths * picture.width;

@@ -24,7 +24,7 @@ namespace elmopp {
 
 class Presence {
   public:
-    Presence(const Lane &lane, cv::Size picture);
+    Presence(const Lane &lane, cv::Size picture, const Settings &settings = Settings{});
 
     [[nodiscard]] const Patch &patch() const {
         return patch_;

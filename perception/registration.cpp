@@ -49,6 +49,8 @@ Registration::Registration(const cv::Mat &traffic) {
 
 void Registration::capture(const cv::Mat &grey) {
     pieces_.clear();
+    tried_ = 0;
+    found_ = 0;
     base_ = last_;
     cv::Mat strength;
     cv::cornerMinEigenVal(grey, strength, 5);
@@ -142,6 +144,17 @@ void Registration::renew_pieces(const cv::Mat &grey, const Result &result) {
     }
 }
 
+/// Pieces that are hardly ever found again, in the noise of a dark night or on passing lamps, never were any.
+void Registration::prove_pieces(bool sure) {
+    constexpr int proof = 25;
+    tried_ += 1;
+    found_ += sure ? 1 : 0;
+    if (tried_ == proof && 2 * found_ < proof) {
+        pieces_.clear();
+        astray_ = 1;
+    }
+}
+
 void Registration::follow_gain(const cv::Mat &grey, Result &result) {
     const cv::Matx23d back(1, 0, -last_.x, 0, 1, -last_.y);
     cv::Mat placed;
@@ -197,6 +210,7 @@ Registration::Result Registration::follow(const cv::Mat &bgr) {
         if (result.sure) {
             astray_ = 0;
         }
+        prove_pieces(result.sure);
         renew_pieces(grey, result);
     }
     follow_gain(grey, result);

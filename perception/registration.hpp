@@ -6,7 +6,8 @@
 ///
 /// Shift: small pieces of the picture outside of the lanes are looked for around the last shift; most of those that
 /// are found must agree. A shift that nobody agrees on is held, and says so. The first picture stays the anchor: pieces
-/// are taken anew only when most have gone, from where they are then, so that a long drift cannot run away.
+/// are taken anew only when most have gone, from where they are then, so that a long drift cannot run away. A picture
+/// whose pieces are not found again from the start cannot be followed, and is taken to stay where it is.
 /// Gain: median change of the logarithm of grey from frame to frame, summed.
 ///
 /// Owner: the counter. Not thread-safe.
@@ -51,6 +52,7 @@ class Registration {
     void capture(const cv::Mat &grey);
     bool vote(const cv::Mat &grey, int reach, Result &result);
     void renew_pieces(const cv::Mat &grey, const Result &result);
+    void prove_pieces(bool sure);
     void follow_gain(const cv::Mat &grey, Result &result);
 
     double scale_ = 1.0;
@@ -62,6 +64,8 @@ class Registration {
     cv::Mat factor_before_;
     double gain_ = 0.0;
     int astray_ = 0; ///< frames without agreement
+    int tried_ = 0;  ///< frames since the pieces were taken
+    int found_ = 0;  ///< ... in which they agreed
     int few_ = 0;    ///< frames in which few pieces agreed
 };
 

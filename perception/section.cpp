@@ -15,9 +15,8 @@
 namespace elmopp {
 namespace {
 
-constexpr double line_half = 0.14; ///< rows about the line that are averaged, in lane widths
-constexpr double smooth_s = 0.12;  ///< ... over this time
-constexpr double covered_share = 0.5;
+constexpr double line_half = 0.14;    ///< rows about the line that are averaged, in lane widths
+constexpr double smooth_s = 0.12;     ///< ... over this time
 constexpr double vehicle_lanes = 0.8; ///< a typical vehicle is drawn so long
 constexpr double least_s = 0.08;      ///< a vehicle on the line
 constexpr double least_width = 0.30;  ///< lanes
@@ -39,9 +38,9 @@ double lane_of_column(double column) {
 
 } // namespace
 
-Section::Section(const std::vector<Lane> &lanes, cv::Size picture)
-    : lanes_(lanes), patch_(Patch::across(lanes, picture)), background_(patch_.valid()), odometers_(lanes.size()),
-      covered_(lanes.size(), false) {}
+Section::Section(const std::vector<Lane> &lanes, cv::Size picture, const Settings &settings)
+    : lanes_(lanes), settings_(settings), patch_(Patch::across(lanes, picture)), background_(patch_.valid(), settings),
+      odometers_(lanes.size()), covered_(lanes.size(), false) {}
 
 bool Section::standing(int lane) const {
     return covered(lane) && odometers_[static_cast<std::size_t>(lane)].last().still;
@@ -91,7 +90,7 @@ cv::Mat Section::line_row(const cv::Mat &object, double dt_s) {
     for (const auto &row : rows_) {
         sum += row.first;
     }
-    return sum > covered_share * 255.0 * static_cast<double>(rows_.size());
+    return sum > settings_.covered * 255.0 * static_cast<double>(rows_.size());
 }
 
 void Section::feed(const Background::Sample &sample, std::int64_t frame, double t_s, double dt_s) {
@@ -158,6 +157,8 @@ void Section::grow(const cv::Mat &row, std::int64_t frame, double t_s) {
                     blobs_[mine].runs.push_back(moved);
                 }
                 blobs_[mine].moved += blobs_[other].moved;
+                blobs_[mine].forwards += blobs_[other].forwards;
+                blobs_[mine].backwards += blobs_[other].backwards;
                 blobs_[other].runs.clear();
                 merged[other] = mine;
             }
@@ -186,7 +187,10 @@ void Section::grow(const cv::Mat &row, std::int64_t frame, double t_s) {
         for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
             const int middle = patch_margin + static_cast<int>(lane) * patch_unit + patch_unit / 2;
             if (run.first <= middle && middle <= run.second && odometers_[lane].last().sure) {
-                blob.moved += odometers_[lane].last().rows;
+                const double rows = odometers_[lane].last().rows;
+                blob.moved += rows;
+                blob.forwards += rows > 0 ? 1 : 0;
+                blob.backwards += rows < 0 ? 1 : 0;
             }
         }
     }
@@ -254,6 +258,33 @@ cv::Mat Section::draw(const Blob &blob, double scale, std::vector<const Run *> &
     return shape;
 }
 
+/// What a gap in the mask has cut in two, a windscreen that looks like the road: parts of one lane, one behind the
+/// other, that together are no longer than one vehicle: two that follow one another have a gap as well. Returns how
+/// many labels remain.
+int Section::join_short(cv::Mat &labels, int many) const {
+    constexpr double same_columns = 0.6;
+    constexpr double widest = 1.2; // lanes
+    const int most_rows = static_cast<int>(settings_.joined * vehicle_lanes * patch_unit);
+    const auto box_of = [&labels](int label) { return cv::boundingRect(labels == label); };
+    for (int a = 1; a <= many; ++a) {
+        for (int b = a + 1; b <= many; ++b) {
+            const cv::Rect one = box_of(a);
+            const cv::Rect two = box_of(b);
+            const cv::Rect both = one | two;
+            const int shared = std::min(one.br().x, two.br().x) - std::max(one.x, two.x);
+            if (both.height > most_rows || both.width > widest * patch_unit ||
+                shared < same_columns * std::min(one.width, two.width)) {
+                continue;
+            }
+            labels.setTo(a, labels == b);
+            labels.setTo(b, labels == many);
+            --many;
+            b = a; // the joined part may reach a third one
+        }
+    }
+    return many;
+}
+
 void Section::end(Blob &blob) {
     if (blob.runs.empty()) {
         return;
@@ -263,12 +294,14 @@ void Section::end(Blob &blob) {
     int left = 0;
     const cv::Mat shape = draw(blob, scale, row_runs, left);
     cv::Mat labels;
-    const int many = split_shape(shape, least_hill * patch_unit, labels);
+    const int split = split_shape(shape, least_hill * patch_unit, settings_.neck, labels);
+    const int many = join_short(labels, split);
     std::vector<Part> parts;
     for (int label = 1; label <= many; ++label) {
         parts_of(labels, label, row_runs, left, scale, parts);
     }
-    const bool backwards = blob.moved < -0.25 * patch_unit;
+    // One false step may be longer than all true ones.
+    const bool backwards = blob.moved < -0.25 * patch_unit && blob.backwards > 1 && blob.backwards > blob.forwards;
     if (!backwards) {
         for (Part &part : parts) {
             waiting_.push_back(part);
@@ -410,7 +443,7 @@ void Section::learn_typical(const Part &part, double seconds) {
         areas_.pop_front();
     }
     constexpr double shortest_s = 0.1;
-    constexpr double longest_s = 3.0;
+    constexpr double longest_s = 6.0;
     if (durations_.size() >= typical_least) {
         typical_s_ = std::clamp(median_of(durations_), shortest_s, longest_s);
     }
@@ -433,7 +466,7 @@ void Section::guess_typical() {
 
 /// Judges what has been waiting for its neighbours.
 void Section::settle(double now_s) {
-    constexpr double fragment = 0.5;
+    const double fragment = settings_.fragment;
     constexpr double near_share = 0.25;
     constexpr double near_lanes = 0.3;
     std::vector<Part> left;

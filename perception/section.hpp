@@ -36,7 +36,7 @@ struct Crossing {
 class Section {
   public:
     /// `lanes`: side by side, all of one direction.
-    Section(const std::vector<Lane> &lanes, cv::Size picture);
+    Section(const std::vector<Lane> &lanes, cv::Size picture, const Settings &settings = Settings{});
 
     [[nodiscard]] const Patch &patch() const {
         return patch_;
@@ -88,7 +88,8 @@ class Section {
         double position = 0.0;
         bool open = true;
         double moved = 0.0; ///< signed rows, where the odometer is sure
-        double wrong = 0.0; ///< ... of them against the direction
+        int forwards = 0;   ///< measured steps in the direction of the lane
+        int backwards = 0;  ///< ... and against it
     };
     struct Part {
         int lane = 0;
@@ -106,6 +107,7 @@ class Section {
 
     cv::Mat line_row(const cv::Mat &object, double dt_s);
     void grow(const cv::Mat &row, std::int64_t frame, double t_s);
+    int join_short(cv::Mat &labels, int many) const;
     void end(Blob &blob);
     cv::Mat draw(const Blob &blob, double scale, std::vector<const Run *> &row_runs, int &left) const;
     bool side_by_side(const cv::Mat &mine, const cv::Rect &box, const std::vector<const Run *> &row_runs, int left,
@@ -119,6 +121,7 @@ class Section {
     [[nodiscard]] double progress_of(int first, int last) const;
 
     std::vector<Lane> lanes_;
+    Settings settings_;
     Patch patch_;
     Background background_;
     std::vector<Odometer> odometers_;

@@ -13,13 +13,13 @@
 namespace elmopp {
 namespace {
 
-constexpr float neck = 0.74F; ///< a saddle below this share of the lower hill parts two vehicles
 constexpr int most_rounds = 3;
 
 /// Hills that grow together as the water falls.
 class Hills {
   public:
-    explicit Hills(const cv::Mat &height) : height_(height), label_(height.size(), CV_32S, cv::Scalar(0)) {
+    Hills(const cv::Mat &height, double neck)
+        : height_(height), neck_(static_cast<float>(neck)), label_(height.size(), CV_32S, cv::Scalar(0)) {
         top_.push_back(0.0F);
         above_.push_back(0);
     }
@@ -98,7 +98,7 @@ class Hills {
                 continue;
             }
             const float lower = top(around[i]);
-            if (lower < least || value >= neck * lower) {
+            if (lower < least || value >= neck_ * lower) {
                 above_[static_cast<std::size_t>(around[i])] = highest;
             }
         }
@@ -110,6 +110,7 @@ class Hills {
     }
 
     const cv::Mat &height_;
+    float neck_;
     cv::Mat label_;
     std::vector<float> top_;
     std::vector<int> above_;
@@ -125,7 +126,7 @@ cv::Mat distance_inside(const cv::Mat &shape) {
 
 } // namespace
 
-int split_shape(const cv::Mat &shape, double least_px, cv::Mat &labels) {
+int split_shape(const cv::Mat &shape, double least_px, double neck, cv::Mat &labels) {
     labels = cv::Mat::zeros(shape.size(), CV_32S);
     int many = 0;
     std::vector<std::pair<cv::Mat, int>> parts{{shape, 0}};
@@ -133,7 +134,7 @@ int split_shape(const cv::Mat &shape, double least_px, cv::Mat &labels) {
         const auto [part, round] = parts.back();
         parts.pop_back();
         const cv::Mat height = distance_inside(part).clone();
-        Hills hills(height);
+        Hills hills(height, neck);
         hills.flood(static_cast<float>(least_px));
         cv::Mat found;
         const int count = hills.finish(found);

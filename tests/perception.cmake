@@ -6,7 +6,7 @@
 
 set(ELMOPP_CLIPS "$ENV{ELMOPP_CLIPS}" CACHE PATH "Folder of clips with counted truth, for the test camera_clips")
 
-add_library(camera_scene OBJECT perception/scene.cpp)
+add_library(camera_scene OBJECT perception/scene.cpp perception/roads.cpp)
 target_include_directories(camera_scene PUBLIC perception)
 target_link_libraries(camera_scene PUBLIC elmopp_perception PRIVATE elmopp_flags)
 set_target_properties(camera_scene PROPERTIES INTERPROCEDURAL_OPTIMIZATION OFF)
@@ -31,8 +31,17 @@ endforeach()
 
 add_executable(draw_scene perception/draw_scene.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c $<TARGET_OBJECTS:camera_scene>)
 set_target_properties(draw_scene PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
-target_link_libraries(draw_scene PRIVATE camera_scene elmopp_perception elmopp_flags)
+target_link_libraries(draw_scene PRIVATE camera_scene elmopp_perception elmopp_flags nlohmann_json::nlohmann_json)
 elmopp_without_lto(draw_scene)
+
+add_executable(copy_clip perception/copy_clip.cpp)
+set_target_properties(copy_clip PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
+target_link_libraries(copy_clip PRIVATE elmopp_perception elmopp_flags)
+elmopp_without_lto(copy_clip)
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+    target_compile_options(copy_clip PRIVATE -O2)
+    target_compile_options(camera_scene PRIVATE -O2)
+endif()
 
 if(depends_on_no_build)
     set(camera_environment

@@ -217,12 +217,12 @@ void two_discs_with_a_neck_are_two_and_a_bar_is_one() {
     cv::circle(shape, {30, 30}, 20, cv::Scalar(255), cv::FILLED);
     cv::circle(shape, {66, 30}, 20, cv::Scalar(255), cv::FILLED);
     cv::Mat labels;
-    TEST_ASSERT_EQUAL_INT(2, split_shape(shape, 5, labels));
+    TEST_ASSERT_EQUAL_INT(2, split_shape(shape, 5, 0.74, labels));
     TEST_ASSERT_NOT_EQUAL_INT(labels.at<int>(30, 20), labels.at<int>(30, 76));
     TEST_ASSERT_EQUAL_INT(0, labels.at<int>(0, 0));
     shape.setTo(0);
     cv::rectangle(shape, {10, 10, 90, 30}, cv::Scalar(255), cv::FILLED);
-    TEST_ASSERT_EQUAL_INT(1, split_shape(shape, 5, labels));
+    TEST_ASSERT_EQUAL_INT(1, split_shape(shape, 5, 0.74, labels));
 }
 
 } // namespace

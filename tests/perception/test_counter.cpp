@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <unity.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -235,6 +236,67 @@ void a_reference_picture_spares_the_learning() {
     TEST_ASSERT_INT_WITHIN(1, 5, *record.lanes[0].present + *record.lanes[1].present + *record.lanes[2].present);
 }
 
+/// A detector of the user's in place of the road's picture: boxes as the drawn scene has them, all of them right.
+void what_a_finder_finds_is_counted_by_the_same_lines_and_zones() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    Counter counter(scene.lanes(line_m, 40, Direction::down));
+    std::vector<SceneCar> here;
+    counter.find_with([&](const cv::Mat &) {
+        std::vector<cv::Rect2d> boxes;
+        for (const SceneCar &car : here) {
+            if (car.at_m > 6 && car.at_m < 80) {
+                boxes.push_back(scene.box_of(car));
+            }
+        }
+        return boxes;
+    });
+    double wrong = 0;
+    int looks = 0;
+    for (int i = 0; i < static_cast<int>(flow_s * rate); ++i) {
+        here = flow.at(i / rate);
+        counter.feed(scene.draw(here), i / rate);
+        if (i % 25 == 24 && i > 100) {
+            const Record record = counter.record();
+            const auto in_zone = [&](int lane) {
+                return std::count_if(here.begin(), here.end(), [lane](const SceneCar &car) {
+                    return car.lane == lane && car.at_m > line_m && car.at_m < 40;
+                });
+            };
+            for (int lane = 0; lane < lane_count; ++lane) {
+                wrong += std::abs(static_cast<double>(*record.lanes[static_cast<std::size_t>(lane)].present) -
+                                  static_cast<double>(in_zone(lane)));
+                ++looks;
+                TEST_ASSERT_TRUE(record.lanes[static_cast<std::size_t>(lane)].valid);
+            }
+        }
+    }
+    counter.finish();
+    std::vector<int> counted;
+    for (const auto &lane : counter.record().lanes) {
+        counted.push_back(static_cast<int>(lane.arrived_total));
+    }
+    expect_counts(flow, flow_s, counted, 1, "finder");
+    TEST_ASSERT_TRUE_MESSAGE(wrong / looks < 0.6, std::to_string(wrong / looks).c_str());
+}
+
+/// A zone whose far end is slanted runs out into a corner: that is no place far away, full of vehicles.
+void a_zone_with_slanted_ends_holds_no_more_vehicles_than_a_straight_one() {
+    Scene scene(picture, lane_count, 1);
+    elmopp::LaneFile file = scene.lanes(line_m, 45, Direction::down);
+    for (elmopp::Lane &lane : file.lanes) {
+        lane.zone_px[0].y -= 3; // the far end
+        lane.zone_px[2].y += 6; // the near one
+    }
+    Counter counter(file);
+    for (int i = 0; i < 200; ++i) {
+        counter.feed(scene.draw(i < 100 ? std::vector<SceneCar>{} : queue({3, 2, 1})), i / rate);
+    }
+    const Record record = counter.record();
+    const int present = *record.lanes[0].present + *record.lanes[1].present + *record.lanes[2].present;
+    TEST_ASSERT_INT_WITHIN(1, 6, present);
+}
+
 void a_vehicle_inside_the_junction_is_said_and_nothing_else_is() {
     Scene scene(picture, lane_count, 1);
     elmopp::LaneFile file = scene.lanes(30, 0, Direction::down);
@@ -300,6 +362,8 @@ int main() {
     RUN_TEST(a_start_with_a_queue_is_said_and_counted_all_the_same);
     RUN_TEST(an_empty_road_is_empty_and_valid);
     RUN_TEST(a_reference_picture_spares_the_learning);
+    RUN_TEST(what_a_finder_finds_is_counted_by_the_same_lines_and_zones);
+    RUN_TEST(a_zone_with_slanted_ends_holds_no_more_vehicles_than_a_straight_one);
     RUN_TEST(a_vehicle_inside_the_junction_is_said_and_nothing_else_is);
     RUN_TEST(totals_are_the_sum_of_inflows_and_never_decrease);
     return UNITY_END();

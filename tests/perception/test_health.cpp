@@ -128,6 +128,39 @@ void a_zoom_of_a_tenth_is_said() {
     expect_fault(Reason::moved, moved_s, [](cv::Mat &frame) { frame = turned(frame, 0, 1.1, 0); });
 }
 
+/// Shifted for good: moved, and after a minute learnt anew and right again, with the lanes where the road is now.
+void a_camera_that_is_shifted_for_good_is_right_again_after_a_minute() {
+    constexpr double slow_rate = 12.5;
+    constexpr double shifted_s = 8;
+    constexpr double long_s = 100;
+    Scene scene(picture, 3, 1);
+    const SceneFlow flow = SceneFlow::random(3, long_s, 1.6, 11);
+    Counter counter(scene.lanes(14, 0, Direction::down));
+    std::int64_t before = 0;
+    bool learnt = false;
+    for (int i = 0; i < static_cast<int>(long_s * slow_rate); ++i) {
+        const double t_s = i / slow_rate;
+        cv::Mat frame = scene.draw(flow.at(t_s));
+        counter.feed(t_s < shifted_s ? frame : turned(frame, 0, 1, 20), t_s);
+        const auto now = counter.glance().lanes[1];
+        const std::string text = "at " + std::to_string(t_s) + " s: " + elmopp::reason_name(now.reason);
+        if (t_s > shifted_s + moved_s && t_s < shifted_s + 58) {
+            TEST_ASSERT_EQUAL_INT_MESSAGE(static_cast<int>(Reason::moved), static_cast<int>(now.reason), text.c_str());
+        }
+        learnt = learnt || (t_s > shifted_s + 58 && now.reason == Reason::learning);
+        if (t_s > shifted_s + 72) {
+            TEST_ASSERT_TRUE_MESSAGE(now.valid, text.c_str());
+        }
+        if (t_s < shifted_s + 72) {
+            before = now.arrived_total;
+        }
+    }
+    TEST_ASSERT_TRUE(learnt);
+    counter.finish();
+    const int truth = flow.crossed(1, long_s) - flow.crossed(1, shifted_s + 72);
+    TEST_ASSERT_INT_WITHIN(1, truth, static_cast<int>(counter.record().lanes[1].arrived_total - before));
+}
+
 void a_source_that_is_gone_is_said() {
     expect_fault(Reason::lost, soon_s, [](cv::Mat &frame) { frame.release(); });
 }
@@ -191,6 +224,7 @@ int main() {
     RUN_TEST(a_step_of_twenty_pixels_is_said);
     RUN_TEST(a_turn_of_three_degrees_is_said);
     RUN_TEST(a_zoom_of_a_tenth_is_said);
+    RUN_TEST(a_camera_that_is_shifted_for_good_is_right_again_after_a_minute);
     RUN_TEST(a_source_that_is_gone_is_said);
     RUN_TEST(an_empty_street_at_night_is_not_frozen);
     RUN_TEST(time_stamps_may_jump);

@@ -30,7 +30,7 @@ COLOURS = 64
 EDITOR_SCALE = 0.65  # the road is noise, which a PNG cannot make small
 SECOND = 300
 STEP = 300
-NEEDED = ("report.html", "clip.png", "clip.lanes.json", "seen.png")
+NEEDED = ("report.html", "plain.png", "plain.lanes.json", "seen.png")
 
 DESCRIPTION = """\
 Makes the pictures of docs/tour.md: tour-run, tour-live, tour-editor and tour-seen, PNG with few colours. Reads what the
@@ -94,9 +94,9 @@ def take_editor(browser: Browser, tour: Path, raw: Path) -> None:
     browser.look(1100, 760, scale=EDITOR_SCALE)
     browser.open(EDITOR.as_uri())
     browser.wait("document.body && document.body.dataset.ready === 'yes'")
-    browser.choose("#open-picture", tour / "clip.png")
+    browser.choose("#open-picture", tour / "plain.png")
     browser.wait("picture !== null")
-    browser.choose("#open-lanes", tour / "clip.lanes.json")
+    browser.choose("#open-lanes", tour / "plain.lanes.json")
     browser.wait("file.lanes.length > 0")
     browser.run("document.activeElement.blur()")
     browser.picture(raw, whole=False)
