@@ -162,7 +162,7 @@ static void expect_rows(bool same, const float before[4][HORIZON]) {
 }
 
 /* What is learnt on the device changes the weights that the forecast points at. */
-static void expect_renewed(uint8_t kind) {
+static void expect_rearmed(uint8_t kind) {
     static elmopp_weights_t learnt;
     static float before[4][HORIZON];
     const bool whole = kind == (uint8_t)ELMOPP_FORECAST_LSTM_Q15;
@@ -173,22 +173,23 @@ static void expect_renewed(uint8_t kind) {
     (void)memcpy(before, forecast.row_veh, sizeof before);
     learnt.lstm.head_row[3][0] += 0.25F;
     expect_rows(whole, (const float (*)[HORIZON])before); /* in whole numbers not before it is told */
-    TEST_ASSERT_TRUE(elmopp_forecast_renew(&forecast));
+    elmopp_forecast_rearm(&forecast, &learnt, false);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORECAST_READY, elmopp_forecast_status(&forecast));
     expect_rows(false, (const float (*)[HORIZON])before);
     (void)memcpy(before, forecast.row_veh, sizeof before);
     learnt.lstm.outer.row[0][0] = NAN;
-    TEST_ASSERT_FALSE(elmopp_forecast_renew(&forecast));
-    TEST_ASSERT_EQUAL_INT(whole ? ELMOPP_FORECAST_READY : ELMOPP_FORECAST_UNARMED, elmopp_forecast_status(&forecast));
-    expect_rows(whole, (const float (*)[HORIZON])before); /* the last good ones, or the mean */
+    elmopp_forecast_rearm(&forecast, &learnt, false);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORECAST_UNARMED, elmopp_forecast_status(&forecast));
+    expect_rows(false, (const float (*)[HORIZON])before); /* the mean */
     learnt.lstm.outer.row[0][0] = elmopp_weights_lstm.lstm.outer.row[0][0];
-    TEST_ASSERT_TRUE(elmopp_forecast_renew(&forecast));
+    elmopp_forecast_rearm(&forecast, &learnt, false);
     TEST_ASSERT_EQUAL_INT(ELMOPP_FORECAST_READY, elmopp_forecast_status(&forecast));
     expect_rows(true, (const float (*)[HORIZON])before);
 }
 
 static void test_weights_that_were_learnt_are_used_once_it_is_told(void) {
-    expect_renewed(ELMOPP_FORECAST_LSTM);
-    expect_renewed(ELMOPP_FORECAST_LSTM_Q15);
+    expect_rearmed(ELMOPP_FORECAST_LSTM);
+    expect_rearmed(ELMOPP_FORECAST_LSTM_Q15);
 }
 
 /* Looking is free of consequences: the memory of what was seen is not what ran ahead. */
