@@ -14,7 +14,6 @@
 
 /* What a step writes on. Words come first, so that what is fed begins at one, too, as the kernel wants. */
 typedef struct {
-    int32_t gate[ELMOPP_LSTM_LEVELS_MAX][ELMOPP_LSTM_GATES];
     int32_t back[UNITS];
     int16_t fed[ELMOPP_LSTM_INNER_ROWS];
 } sheet_t;
@@ -38,16 +37,17 @@ void elmopp_lstm_q15_step(const elmopp_lstm_q15_weights_t *weights, elmopp_lstm_
                           const float input[ELMOPP_LSTM_INPUTS]) {
     ELMOPP_ASSERT((weights->levels >= 1U) && (weights->levels <= ELMOPP_LSTM_LEVELS_MAX));
     const uint32_t innermost = weights->levels - 1U;
+    int32_t gate[ELMOPP_LSTM_LEVELS_MAX][ELMOPP_LSTM_GATES];
     sheet_t sheet;
     feed_outermost(weights, state, input, sheet.fed);
-    elmopp_lstm_q15_kernel_outer(weights->outer, sheet.fed, sheet.gate[0]);
+    elmopp_lstm_q15_kernel_outer(weights->outer, sheet.fed, gate[0]);
     for (uint32_t level = 0U; level < innermost; level++) {
-        elmopp_lstm_q15_kernel_descend(sheet.gate[level], state->cell[level], sheet.fed);
-        elmopp_lstm_q15_kernel_inner(weights->inner[level], sheet.fed, sheet.gate[level + 1U]);
+        elmopp_lstm_q15_kernel_descend(gate[level], state->cell[level], sheet.fed);
+        elmopp_lstm_q15_kernel_inner(weights->inner[level], sheet.fed, gate[level + 1U]);
     }
-    elmopp_lstm_q15_kernel_advance(sheet.gate[innermost], state->cell[innermost], sheet.back);
+    elmopp_lstm_q15_kernel_advance(gate[innermost], state->cell[innermost], sheet.back);
     for (uint32_t level = innermost; level > 0U; level--) {
-        elmopp_lstm_q15_kernel_release(sheet.gate[level - 1U], sheet.back, state->cell[level - 1U]);
+        elmopp_lstm_q15_kernel_release(gate[level - 1U], sheet.back, state->cell[level - 1U]);
     }
     elmopp_lstm_q15_kernel_hide(sheet.back, state->hidden);
 }

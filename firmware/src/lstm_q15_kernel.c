@@ -27,8 +27,10 @@ static inline int64_t shift_down(int64_t value, uint32_t bits) {
 
 /* The product of two words / 2^bits, rounded to nearest. */
 static inline int32_t product(int32_t a, int32_t b, uint32_t bits) {
-    const uint64_t half = (uint64_t)1U << (bits - 1U);
-    const int64_t exact = (int64_t)a * (int64_t)b;
+    const uint32_t half_bit = bits - 1U;
+    const uint64_t half = (uint64_t)1U << half_bit;
+    const int64_t wide = a;
+    const int64_t exact = wide * b;
     return (int32_t)shift_down(exact + (int64_t)half, bits);
 }
 
@@ -44,12 +46,10 @@ static inline int32_t lower_half(int32_t word) {
 }
 
 static inline int32_t activate(const int32_t table[ELMOPP_LSTM_Q15_TABLE_SIZE], int32_t reach) {
-    const int32_t low = -ELMOPP_LSTM_Q15_TABLE_ZERO;
-    const int32_t stretch = (int32_t)shift_down(reach, STRETCH_BITS);
-    const int32_t not_less = (stretch < low) ? low : stretch;
-    const int32_t within = (not_less < ELMOPP_LSTM_Q15_TABLE_ZERO) ? not_less : (ELMOPP_LSTM_Q15_TABLE_ZERO - 1);
-    const int32_t index = within - low;
-    const int32_t entry = table[index];
+    const int32_t last = (int32_t)ELMOPP_LSTM_Q15_TABLE_SIZE - 1;
+    const int32_t at = (int32_t)shift_down(reach, STRETCH_BITS) + ELMOPP_LSTM_Q15_TABLE_ZERO;
+    const int32_t not_less = (at < 0) ? 0 : at;
+    const int32_t entry = table[(not_less > last) ? last : not_less];
     return entry + (lower_half(entry) * lower_half(reach));
 }
 

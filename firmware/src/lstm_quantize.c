@@ -159,7 +159,7 @@ static void fill(const elmopp_lstm_f32_weights_t *weights, const inputs_t *input
     for (uint32_t level = 0U; level < weights->levels; level++) {
         for (uint32_t column = 0U; column < GATES; column++) {
             row_t row;
-            quantized_t quantized;
+            quantized_t quantized = {.scale = 0, .bias = 0};
             take(weights, inputs, level, column, &row);
             quantize_row(&row, column < ELMOPP_LSTM_GATE_G, &quantized);
             if (level == 0U) {

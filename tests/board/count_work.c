@@ -48,6 +48,7 @@
 #define WARM_S 70U    ///< a forecast is warm, its account and the chooser's have something in them
 #define LOAD_S 25U    ///< so long there are few, some or many
 #define DECISIONS 90U ///< of each chooser
+#define TICKS_SEED 7U ///< every chooser with every forecast decides on the same counts
 #define STREET_S 175U
 
 typedef enum {
@@ -294,6 +295,7 @@ static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elm
     float present_veh[ELMOPP_MOVEMENT_MAX];
     float arrived_veh[ELMOPP_MOVEMENT_MAX];
     const elmopp_counts_t counts = {.present_veh = present_veh, .arrived_veh = arrived_veh, .recall = 0U};
+    seed = TICKS_SEED;
     junction = *site;
     junction.discharge = (uint8_t)ELMOPP_DISCHARGE_SATURATION;
     const elmopp_chooser_t chooser = make();
