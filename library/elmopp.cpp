@@ -66,7 +66,7 @@ elmopp_options_t known_options(const elmopp_options_t *given) {
 }
 
 std::uint16_t groups_that_exist(const elmopp_handle &self) {
-    return static_cast<std::uint16_t>((1U << self.junction.group_count) - 1U);
+    return elmopp_junction_groups(&self.junction);
 }
 
 /// What is shown once the monitor has given its verdict: the plan's lamps, or the site's flashing.

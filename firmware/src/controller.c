@@ -360,10 +360,6 @@ static void every_second(elmopp_controller_t *self) {
 
 /* --- modes --- */
 
-static uint16_t all_groups(const elmopp_junction_t *junction) {
-    return (uint16_t)(((uint32_t)1U << junction->group_count) - 1U);
-}
-
 static uint16_t fresh_groups(const elmopp_controller_t *self) {
     uint16_t fresh = 0U;
     for (uint32_t g = 0U; g < self->junction->group_count; g++) {
@@ -380,7 +376,8 @@ static bool lamps_read_back(const elmopp_controller_t *self) {
     const elmopp_lamps_t *shown = &self->bus.measured;
     const uint32_t strange = ((uint32_t)shown->red & ~(uint32_t)self->lamps.red) |
                              ((uint32_t)shown->amber & ~(uint32_t)self->lamps.amber) | shown->green;
-    return (fresh_groups(self) == all_groups(self->junction)) && (self->bus.unwell_nodes == 0U) && (strange == 0U);
+    return (fresh_groups(self) == elmopp_junction_groups(self->junction)) && (self->bus.unwell_nodes == 0U) &&
+           (strange == 0U);
 }
 
 static uint32_t group_of_nodes(const elmopp_junction_t *junction, uint8_t nodes) {
@@ -483,7 +480,7 @@ static elmopp_lamps_t lamps_of_mode(elmopp_controller_t *self) {
     if (elmopp_mode_is_steady(self->mode)) {
         lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted_stage(self), is_occupied(self));
     } else if (self->mode != ELMOPP_MODE_DARK) {
-        lamps = elmopp_lamps_flashing(self->junction, all_groups(self->junction));
+        lamps = elmopp_lamps_flashing(self->junction, elmopp_junction_groups(self->junction));
     } else {
         /* nothing burns */
     }
@@ -497,7 +494,7 @@ static elmopp_lamps_t judged(elmopp_controller_t *self, const elmopp_lamps_t *la
     if ((self->mode != ELMOPP_MODE_FAIL_SAFE) && (elmopp_monitor_check(&self->monitor, &input) != ELMOPP_FAULT_NONE)) {
         raise_fault(self, self->monitor.first, self->monitor.first_group);
         enter_mode(self, ELMOPP_MODE_FAIL_SAFE);
-        return elmopp_lamps_flashing(self->junction, all_groups(self->junction));
+        return elmopp_lamps_flashing(self->junction, elmopp_junction_groups(self->junction));
     }
     return *lamps;
 }

@@ -64,6 +64,10 @@ bool elmopp_junction_goes(const elmopp_junction_t *junction, uint32_t movement, 
     return (needed & groups) == needed;
 }
 
+uint16_t elmopp_junction_groups(const elmopp_junction_t *junction) {
+    return (uint16_t)(((uint32_t)1U << junction->group_count) - 1U);
+}
+
 uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t groups) {
     uint32_t served = 0U;
     for (uint32_t j = 0U; j < junction->movement_count; j++) {

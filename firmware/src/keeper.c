@@ -272,7 +272,7 @@ static elmopp_keeper_change_t judge_site(elmopp_keeper_t *self) {
     return begin_trial(self);
 }
 
-static elmopp_keeper_change_t judge(elmopp_keeper_t *self, const elmopp_controller_t *controller) {
+static elmopp_keeper_change_t judge_whole(elmopp_keeper_t *self, const elmopp_controller_t *controller) {
     const elmopp_transfer_reason_t now = why_not_now(controller, self->told.kind);
     const elmopp_transfer_reason_t reason = (now == ELMOPP_TRANSFER_NO_REASON) ? judge_envelope(self) : now;
     if (reason != ELMOPP_TRANSFER_NO_REASON) {
@@ -445,7 +445,7 @@ elmopp_keeper_change_t elmopp_keeper_tick(elmopp_keeper_t *self, elmopp_controll
     let_pass(self);
     if (self->whole) {
         self->whole = false;
-        change = judge(self, controller);
+        change = judge_whole(self, controller);
     } else if (self->told.state == ELMOPP_TRANSFER_ON_TRIAL) {
         change = go_on_trying(self, controller);
     } else if (self->told.state == ELMOPP_TRANSFER_STORING) {

@@ -25,10 +25,6 @@ static elmopp_site_verdict_t verdict_of(bool good, elmopp_site_fault_t what, uin
     return good ? ok : fault(what, first, second);
 }
 
-static uint16_t all_groups(const elmopp_junction_t *junction) {
-    return (uint16_t)(((uint32_t)1U << junction->group_count) - 1U);
-}
-
 static bool ends_with_zero(const char *name, uint32_t size) {
     return (name[0] != '\0') && (name[size - 1U] == '\0');
 }
@@ -113,7 +109,7 @@ elmopp_site_verdict_t elmopp_site_check_movement(const elmopp_junction_t *juncti
     const bool numbers = between(lane->capacity_veh, 0.0F, VEHICLES_MAX) &&
                          between(lane->saturation_veh_per_s, 0.0F, VEHICLES_MAX) && (lane->saturation_veh_per_s > 0.0F);
     const bool places = (lane->approach < junction->approach_count) && (lane->lanes >= 1U) && (lane->groups != 0U) &&
-                        ((lane->groups & all_groups(junction)) == lane->groups);
+                        ((lane->groups & elmopp_junction_groups(junction)) == lane->groups);
     const uint32_t limit_km_per_h = elmopp_junction_limit_km_per_h(junction, movement);
     const bool speed =
         (limit_km_per_h >= ELMOPP_SITE_LIMIT_MIN_KM_PER_H) && (limit_km_per_h <= ELMOPP_SITE_LIMIT_MAX_KM_PER_H);
@@ -182,7 +178,7 @@ elmopp_site_verdict_t elmopp_site_check_group(const elmopp_junction_t *junction,
 elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, uint32_t ending, uint32_t starting) {
     const bool conflict = elmopp_mask_has(junction->conflict[ending], starting);
     const bool mirrored = elmopp_mask_has(junction->conflict[starting], ending);
-    const bool exists = (junction->conflict[ending] & all_groups(junction)) == junction->conflict[ending];
+    const bool exists = (junction->conflict[ending] & elmopp_junction_groups(junction)) == junction->conflict[ending];
     if ((conflict != mirrored) || (conflict && (ending == starting)) || (!exists)) {
         return fault(ELMOPP_SITE_CONFLICT, ending, starting);
     }
@@ -197,7 +193,7 @@ elmopp_site_verdict_t elmopp_site_check_pair(const elmopp_junction_t *junction, 
 /* Compatible groups, and in a street no further one that would fit. */
 elmopp_site_verdict_t elmopp_site_check_stage(const elmopp_junction_t *junction, uint32_t stage) {
     const uint16_t groups = junction->stage_groups[stage];
-    if ((groups == 0U) || ((groups & all_groups(junction)) != groups)) {
+    if ((groups == 0U) || ((groups & elmopp_junction_groups(junction)) != groups)) {
         return fault(ELMOPP_SITE_STAGE, stage, 0U);
     }
     for (uint32_t s = 0U; s < stage; s++) {

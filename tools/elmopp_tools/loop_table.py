@@ -54,8 +54,10 @@ def by_scene(results: Sequence[Result]) -> list[str]:
     for result in results:
         scenes[result["scene"]].append(result)
     head = [
-        "| scene | seeds | crossed | counted | lane error | present, error of a movement | delay, right counts, s "
-        "| delay, cameras, s | what counting costs, s [95 %] |",
+        (
+            "| scene | seeds | crossed | counted | lane error | present, error of a movement | delay, right counts, s "
+            "| delay, cameras, s | what counting costs, s [95 %] |"
+        ),
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     return head + [scene_row(scene, those) for scene, those in scenes.items()]

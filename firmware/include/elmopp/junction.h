@@ -201,6 +201,9 @@ uint32_t elmopp_junction_clearing_ds(const elmopp_junction_t *junction, uint16_t
 /// The longest start-up of the movements that go with `after` and not with `before`. Tenths of a second.
 uint32_t elmopp_junction_starting_ds(const elmopp_junction_t *junction, uint16_t before, uint16_t after);
 
+/// Mask of all signal groups.
+uint16_t elmopp_junction_groups(const elmopp_junction_t *junction);
+
 /// Mask of the movements that go when exactly these signal groups are green.
 uint32_t elmopp_junction_served(const elmopp_junction_t *junction, uint16_t groups);
 
