@@ -163,6 +163,7 @@ bool elmopp_store_save(elmopp_store_t *self, const uint8_t *image) {
     }
     self->image = image;
     self->at = 0U;
+    self->again = false;
     self->target = free_slot(self);
     self->phase = ELMOPP_STORE_WRITING;
     if (self->target == ELMOPP_STORE_NONE) {
@@ -242,8 +243,10 @@ static void count_one(uint16_t *counter) {
     *counter = (*counter < UINT16_MAX) ? (uint16_t)(*counter + 1U) : *counter;
 }
 
+/* What has failed may stand there all the same, mark and all: its number is not used again. */
 static void give_up(elmopp_store_t *self) {
     count_one(&self->failed);
+    self->highest++;
     self->phase = ELMOPP_STORE_IDLE;
 }
 
@@ -316,8 +319,11 @@ void elmopp_store_answer(elmopp_store_t *self, elmopp_store_answer_t answer) {
     if ((answer == ELMOPP_STORE_LATER) || (!elmopp_store_next(self, &order))) {
         return;
     }
-    if ((answer == ELMOPP_STORE_DONE) && is_as_ordered(self, &order)) {
+    const bool stands = is_as_ordered(self, &order);
+    if ((answer == ELMOPP_STORE_DONE) && stands) {
         advance(self);
+    } else if ((self->phase == ELMOPP_STORE_SEALING) && stands && (!self->again)) {
+        self->again = true; /* a mark that stands, and of which it is said that it does not: once more */
     } else if (self->phase == ELMOPP_STORE_TIDYING) {
         count_one(&self->failed);
         next_sector(self);

@@ -161,16 +161,20 @@ static uint32_t content(void) {
 
 /* A life in which every kind of order occurs, from a sector full of rubbish on: what was kept at its end. */
 static uint32_t kept;
+static uint32_t unsure; /* what was being saved last and, it is said, was not; 0: none */
 
 static void live(void) {
     kept = 0U;
+    unsure = 0U;
     for (uint32_t run = 0U; run < 2U; run++) {
         start();
         kept = content();
         elmopp_store_init(&store, &medium, &kind);
         for (uint32_t k = 1U; k <= 2U; k++) {
             const uint32_t value = (2U * run) + k;
-            kept = save((uint8_t)value) ? value : kept;
+            const bool saved = save((uint8_t)value);
+            kept = saved ? value : kept;
+            unsure = saved ? 0U : value;
         }
     }
 }
@@ -189,9 +193,11 @@ static void expect_recovery(flash_fault_t fault, uint32_t from, uint32_t to) {
     live();
     flash_model_break(FLASH_FAULT_NONE, 0U, 0U);
     flash_model_restart();
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(kept, content(), "what was said to be kept is not there");
+    const uint32_t found = content();
+    TEST_ASSERT_TRUE_MESSAGE((found == kept) || ((unsure != 0U) && (found == unsure)),
+                             "what was said to be kept is not there");
     start();
-    TEST_ASSERT_EQUAL_UINT32_MESSAGE(kept, content(), "lost by a start");
+    TEST_ASSERT_EQUAL_UINT32_MESSAGE(found, content(), "lost by a start");
     TEST_ASSERT_TRUE_MESSAGE(save(100U), "it does not go on");
     TEST_ASSERT_EQUAL_UINT32(100U, content());
 }

@@ -85,6 +85,7 @@ typedef struct {
     uint32_t sector;  ///< that is being erased
     uint32_t at;      ///< word of the target
     bool erased;      ///< the sector has been, and is yet to be marked as ready
+    bool again;       ///< the mark is being programmed a second time
     uint16_t saved;   ///< since the start; saturates
     uint16_t failed;  ///< orders that were not carried out; saturates
 } elmopp_store_t;
@@ -105,7 +106,8 @@ void elmopp_store_tidy(elmopp_store_t *self);
 bool elmopp_store_has_room(const elmopp_store_t *self);
 
 /// Begins to save an image of the kind, which must not change until the phase is idle again. False without room. It is
-/// saved when `saved` has grown, not if `failed` has.
+/// saved when `saved` has grown. If `failed` has it is not in force now; if it was the mark that failed, and twice, it
+/// may be in force after the next start.
 bool elmopp_store_save(elmopp_store_t *self, const uint8_t *image);
 
 /// The next order; false: nothing is to be done.
