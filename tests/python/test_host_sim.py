@@ -456,6 +456,9 @@ def test_list_as_json() -> None:
         "ann",
         "gcn",
         "oracle",
+        "lstm-learn",
+        "nlstm-learn",
+        "lstm-literal",
     ]
     assert listed["links"] == ["inproc", "can"]
 
