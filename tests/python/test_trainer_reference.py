@@ -78,7 +78,7 @@ def case(seed: int, levels: int, fed: int = 10, unscored: int = 4, inputs: int =
 def image_of(case: Case) -> bytes:
     vector = case.vector.astype("<f4").tobytes()
     ar8 = struct.pack("<11f", *([0.0] * 10), 1.0)
-    body = case.sample.low.astype("<f4").tobytes() + case.sample.high.astype("<f4").tobytes() + ar8
+    body: bytes = case.sample.low.astype("<f4").tobytes() + case.sample.high.astype("<f4").tobytes() + ar8
     body += struct.pack("<I", case.levels) + vector
     body += bytes(BODY_BYTES - 4 * WINDOW_NETWORKS_FLOATS - len(body)) + bytes(4 * WINDOW_NETWORKS_FLOATS)
     assert len(body) == BODY_BYTES
