@@ -14,6 +14,7 @@
 #define ERROR_BOUND 1.5e-7
 #define TANH_ERROR_BOUND 4.5e-7
 #define SIGMOID_ERROR_BOUND 3.0e-7
+#define INVERSE_ROOT_ERROR_BOUND 5.0e-6
 #ifndef SAMPLE_STRIDE /* larger on the emulated board */
 #define SAMPLE_STRIDE 64U
 #endif
@@ -100,6 +101,17 @@ static void test_the_ends_are_finite_normal_and_above_zero(void) {
 static void test_nan_is_taken_as_the_lower_end(void) {
     TEST_ASSERT_EQUAL_HEX32(bits_of(elmopp_exp(ELMOPP_EXP_MIN)), bits_of(elmopp_exp(NAN)));
     TEST_ASSERT_EQUAL_HEX32(bits_of(elmopp_exp(ELMOPP_EXP_MIN)), bits_of(elmopp_exp(-NAN)));
+}
+
+/* Subnormal numbers are beyond the claim. */
+static double inverse_root_error(float x) {
+    const double right = 1.0 / sqrt((double)x);
+    return isnormal(x) ? fabs(((double)elmopp_inverse_root(x) / right) - 1.0) : 0.0;
+}
+
+static void test_the_inverse_root_is_within_its_claim_for_every_normal_number(void) {
+    check_bound_between_zero_and(3.4e38F, inverse_root_error, INVERSE_ROOT_ERROR_BOUND);
+    TEST_ASSERT_TRUE(isfinite(elmopp_inverse_root(0.0F)));
 }
 
 /* A grid of 1/64, on which e^x grows by 1.6 % a step: far above the error, also where the reduction changes its n. */
@@ -205,6 +217,7 @@ int main(int argc, char **argv) {
     RUN_TEST(test_arguments_just_inside_the_range_are_not_cut);
     RUN_TEST(test_the_ends_are_finite_normal_and_above_zero);
     RUN_TEST(test_nan_is_taken_as_the_lower_end);
+    RUN_TEST(test_the_inverse_root_is_within_its_claim_for_every_normal_number);
     RUN_TEST(test_it_grows_over_a_grid);
     RUN_TEST(test_an_average_is_exact_until_its_window_is_full);
     RUN_TEST(test_tanh_is_within_the_claim_odd_and_never_above_one);

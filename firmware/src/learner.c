@@ -25,7 +25,7 @@ void elmopp_learner_init(elmopp_learner_t *self, elmopp_trainer_memory_t *memory
     self->course = course;
     self->groups = ((approaches + INPUTS) - 1U) / INPUTS;
     uint32_t left = approaches;
-    for (uint32_t group = 0U; group < self->groups; group++) {
+    for (uint32_t group = 0U; (group < self->groups) && (group < ELMOPP_LEARNER_GROUPS_MAX); group++) {
         self->inputs[group] = (left < INPUTS) ? left : INPUTS;
         left -= self->inputs[group];
     }
@@ -44,7 +44,7 @@ static uint32_t any_below(elmopp_learner_t *self, uint32_t count) {
 
 static void begin_anew(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *shipped_memory) {
     elmopp_trainer_reset(&self->trainer, &self->shipped->lstm);
-    for (uint32_t group = 0U; group < self->groups; group++) {
+    for (uint32_t group = 0U; (group < self->groups) && (group < ELMOPP_LEARNER_GROUPS_MAX); group++) {
         self->memory[group] = shipped_memory[group];
     }
     const elmopp_learner_error_t nothing = {0.0F, 0.0F, 0U};
@@ -132,7 +132,7 @@ static void keep_stretch(elmopp_learner_t *self, const elmopp_learner_stretch_t 
 
 /* Before the networks see this second. */
 static void grow(elmopp_learner_t *self, const elmopp_learner_second_t *second) {
-    for (uint32_t group = 0U; group < self->groups; group++) {
+    for (uint32_t group = 0U; (group < self->groups) && (group < ELMOPP_LEARNER_GROUPS_MAX); group++) {
         elmopp_learner_stretch_t *stretch = &self->growing[group];
         (void)memcpy(stretch->seen[self->grown], second->input[group], sizeof stretch->seen[0]);
         if (self->grown == WINDOW) {
@@ -149,7 +149,7 @@ static void grow(elmopp_learner_t *self, const elmopp_learner_second_t *second) 
 
 static void step_learnt(elmopp_learner_t *self, const elmopp_learner_second_t *second) {
     const elmopp_lstm_f32_net_t net = elmopp_trainer_net(&self->trainer);
-    for (uint32_t group = 0U; group < self->groups; group++) {
+    for (uint32_t group = 0U; (group < self->groups) && (group < ELMOPP_LEARNER_GROUPS_MAX); group++) {
         elmopp_lstm_f32_net_step(&net, &self->memory[group], second->input[group]);
     }
 }
@@ -198,7 +198,7 @@ static const elmopp_learner_stretch_t *ending_now(const elmopp_learner_t *self, 
 static void learn_literally(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *shipped_memory) {
     bool good = true;
     const bool known = (self->grown >= 2U) || (self->count > 0U);
-    for (uint32_t group = 0U; (group < self->groups) && known; group++) {
+    for (uint32_t group = 0U; (group < self->groups) && (group < ELMOPP_LEARNER_GROUPS_MAX) && known; group++) {
         elmopp_trainer_sample_t sample = sample_of(self, ending_now(self, group));
         sample.inputs = self->inputs[group];
         sample.steps = (self->grown >= 2U) ? (self->grown - 1U) : WINDOW;

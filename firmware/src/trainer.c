@@ -103,7 +103,7 @@ void elmopp_trainer_copy(const elmopp_trainer_t *self, elmopp_lstm_f32_weights_t
 /* --- the way forth --- */
 
 static elmopp_trainer_tape_t *tape_of(const elmopp_trainer_t *self, uint32_t level) {
-    ELMOPP_ASSERT(level < ELMOPP_LSTM_LEVELS_MAX);
+    ELMOPP_ASSERT((level == 0U) || ((level < ELMOPP_LSTM_LEVELS_MAX) && (self->inner != NULL)));
     return (level == 0U) ? &self->memory->tape : &self->inner->tape[level - 1U];
 }
 

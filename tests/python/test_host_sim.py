@@ -167,8 +167,8 @@ BAD_VALUES = [
     ("run --frob 1", "--frob", "--help"),
     ("run frob", "frob", "--help"),
     ("run --vehicles", "--vehicles", "--help"),
-    ("frob", '"frob"', "experiment, run, inflow, accuracy, bench, list"),
-    ("", "no command", "experiment, run, inflow, accuracy, bench, list"),
+    ("frob", '"frob"', "experiment, run, inflow, accuracy, learning, bench, list"),
+    ("", "no command", "experiment, run, inflow, accuracy, learning, bench, list"),
     ("--frob", "--frob", "--help"),
     ("inflow", "--csv", "--help"),
     ("inflow --csv x --points 0", '"0"', "1 to 10150"),
@@ -396,6 +396,7 @@ OPTIONS = {
     "mapping split",
     "inflow": "integrator mapping scope vehicles seed trial points csv",
     "accuracy": "trials seed jobs weights json",
+    "learning": "trials seed vehicles chooser updates jobs json",
     "bench": "json forecast-only",
     "list": "json",
 }
@@ -458,6 +459,9 @@ def test_list_as_json() -> None:
         "lstm-q15",
         "nlstm-q15",
         "oracle",
+        "lstm-learn",
+        "nlstm-learn",
+        "lstm-literal",
     ]
     assert listed["links"] == ["inproc", "can"]
 
