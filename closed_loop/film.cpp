@@ -70,8 +70,9 @@ Looks looks_of(std::uint64_t id) {
 }
 
 RoadLamp lamp_of(const elmopp_junction_t &site, std::size_t movement, const elmopp_lamps_t &lamps) {
-    const auto all = [&](std::uint16_t mask) { return (site.movement[movement].groups & ~mask) == 0; };
-    const auto any = [&](std::uint16_t mask) { return (site.movement[movement].groups & mask) != 0; };
+    const std::uint32_t groups = site.movement[movement].groups;
+    const auto all = [groups](std::uint32_t mask) { return (groups & ~mask) == 0U; };
+    const auto any = [groups](std::uint32_t mask) { return (groups & mask) != 0U; };
     if (all(lamps.green)) {
         return RoadLamp::green;
     }

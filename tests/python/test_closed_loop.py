@@ -231,7 +231,7 @@ def test_the_drawing_and_the_counter_know_nothing_of_each_other() -> None:
     includes = re.compile(r'#include ["<]([^">]+)[">]')
     for file in sorted((ROOT / "scene").glob("*.?pp")):
         for name in includes.findall(file.read_text(encoding="utf-8")):
-            assert name == "road_view.hpp" or name.startswith("opencv2/") or "/" not in name and "." not in name, name
+            assert name == "road_view.hpp" or name.startswith("opencv2/") or ("/" not in name and "." not in name), name
     for file in sorted((ROOT / "perception").glob("*.?pp")):
         assert "road_view" not in file.read_text(encoding="utf-8")
 
