@@ -103,7 +103,7 @@ Film::Film(const elmopp_junction_t &site, std::size_t approach, const std::strin
     begun_counted_.assign(pavement_.size(), 0);
     write_lanes(lane_file);
     lanes_ = read_lane_file(lane_file);
-    counter_.emplace(lanes_);
+    counter_ = std::make_unique<Counter>(lanes_);
     last_ = counter_->record();
 }
 
@@ -245,6 +245,7 @@ void Film::begin() {
 
 std::vector<LaneTally> Film::tally() const {
     std::vector<LaneTally> tally;
+    tally.reserve(pavement_.size());
     for (std::size_t k = 0; k < pavement_.size(); ++k) {
         tally.push_back(
             {pavement_[k].name, pavement_[k].movement, crossed_[k], last_.lanes[k].arrived_total - begun_counted_[k]});
