@@ -32,6 +32,10 @@ bool is_counts(const elmopp_frame_t &frame) {
     return frame.id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID < ELMOPP_APPROACH_MAX;
 }
 
+std::uint16_t both(std::uint32_t one, std::uint32_t other) {
+    return static_cast<std::uint16_t>(one | other);
+}
+
 double seconds_of(const std::string &word, const std::string &text) {
     double value = 0.0;
     if (!parse_number(text, value) || value < 0.0) {
@@ -206,10 +210,10 @@ void StreetBus::light(const std::vector<elmopp_frame_t> &frames) {
         for (std::uint32_t passed = 0; passed < ELMOPP_CONTROLLER_TICK_MS; passed += node_step_ms) {
             elmopp_lamp_node_pass(&node, node_step_ms);
         }
-        shown_.red = static_cast<std::uint16_t>(shown_.red | node.lamps.red);
-        shown_.amber = static_cast<std::uint16_t>(shown_.amber | node.lamps.amber);
-        shown_.green = static_cast<std::uint16_t>(shown_.green | node.lamps.green);
-        shown_.flash = static_cast<std::uint16_t>(shown_.flash | node.lamps.flash);
+        shown_.red = both(shown_.red, node.lamps.red);
+        shown_.amber = both(shown_.amber, node.lamps.amber);
+        shown_.green = both(shown_.green, node.lamps.green);
+        shown_.flash = both(shown_.flash, node.lamps.flash);
     }
     witness_.see(shown_);
     second_.shown.push_back(shown_);

@@ -70,8 +70,9 @@ Looks looks_of(std::uint64_t id) {
 }
 
 RoadLamp lamp_of(const elmopp_junction_t &site, std::size_t movement, const elmopp_lamps_t &lamps) {
-    const auto all = [&](std::uint16_t mask) { return (site.movement[movement].groups & ~mask) == 0; };
-    const auto any = [&](std::uint16_t mask) { return (site.movement[movement].groups & mask) != 0; };
+    const std::uint32_t groups = site.movement[movement].groups;
+    const auto all = [groups](std::uint32_t mask) { return (groups & ~mask) == 0U; };
+    const auto any = [groups](std::uint32_t mask) { return (groups & mask) != 0U; };
     if (all(lamps.green)) {
         return RoadLamp::green;
     }
@@ -102,7 +103,7 @@ Film::Film(const elmopp_junction_t &site, std::size_t approach, const std::strin
     begun_counted_.assign(pavement_.size(), 0);
     write_lanes(lane_file);
     lanes_ = read_lane_file(lane_file);
-    counter_.emplace(lanes_);
+    counter_ = std::make_unique<Counter>(lanes_);
     last_ = counter_->record();
 }
 
@@ -244,6 +245,7 @@ void Film::begin() {
 
 std::vector<LaneTally> Film::tally() const {
     std::vector<LaneTally> tally;
+    tally.reserve(pavement_.size());
     for (std::size_t k = 0; k < pavement_.size(); ++k) {
         tally.push_back(
             {pavement_[k].name, pavement_[k].movement, crossed_[k], last_.lanes[k].arrived_total - begun_counted_[k]});

@@ -20,7 +20,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -89,7 +89,7 @@ class Film {
     double line_m_; ///< before the stop line
     RoadView view_;
     LaneFile lanes_;
-    std::optional<Counter> counter_;
+    std::unique_ptr<Counter> counter_; ///< after the lane file
     Record last_;
     cv::Mat picture_;
     std::map<std::uint64_t, double> before_m_; ///< front of those that have not crossed the line

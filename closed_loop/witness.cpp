@@ -14,7 +14,7 @@ void Witness::see(const elmopp_lamps_t &lamps) {
         conflict = conflict || (((off_red >> g) & 1U) != 0U && (off_red & site_.conflict[g]) != 0U);
     }
     conflicts_ += conflict ? 1U : 0U;
-    const std::uint32_t green = lamps.green & steady;
+    const std::uint32_t green = std::uint32_t{lamps.green} & steady;
     for (std::uint32_t g = 0; g < site_.group_count; ++g) {
         const bool is_green = ((green >> g) & 1U) != 0U;
         const bool was_green = ((green_ >> g) & 1U) != 0U;
@@ -30,7 +30,7 @@ void Witness::see(const elmopp_lamps_t &lamps) {
 
 void Witness::see_start(std::uint32_t group) {
     for (std::uint32_t other = 0; other < site_.group_count; ++other) {
-        const bool conflicts = ((site_.conflict[group] >> other) & 1U) != 0U;
+        const bool conflicts = ((std::uint32_t{site_.conflict[group]} >> other) & 1U) != 0U;
         if (conflicts && ended_ds_.at(other) != 0 && ticks_ - ended_ds_.at(other) < site_.intergreen_ds[other][group]) {
             ++early_greens_;
             return;

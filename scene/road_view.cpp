@@ -142,14 +142,15 @@ cv::Point2d RoadView::place(double ahead_m, double aside_m, double up_m) const {
 }
 
 void RoadView::fill(cv::Mat &picture, const std::vector<Corner> &corners, const cv::Scalar &colour) const {
-    constexpr int shift = 4;
+    constexpr int shift = 4; // bits of a pixel's fraction
+    constexpr double scale = 16.0;
     constexpr double most_px = 30000.0; // of a point outside of the picture
     std::vector<cv::Point> fine;
     fine.reserve(corners.size());
     for (const Corner &corner : corners) {
         const cv::Point2d at = place(corner.x, corner.y, corner.z);
-        fine.emplace_back(cvRound(std::clamp(at.x, -most_px, most_px) * (1 << shift)),
-                          cvRound(std::clamp(at.y, -most_px, most_px) * (1 << shift)));
+        fine.emplace_back(cvRound(std::clamp(at.x, -most_px, most_px) * scale),
+                          cvRound(std::clamp(at.y, -most_px, most_px) * scale));
     }
     cv::fillConvexPoly(picture, fine, colour, cv::LINE_AA, shift);
 }
@@ -199,13 +200,16 @@ void RoadView::draw_road() {
     for (int edge = 0; edge <= shape_.lanes; ++edge) {
         const double at = edge * road_lane_m;
         const bool border = edge == 0 || edge == shape_.lanes;
-        for (double a = from; a < shape_.stop_m; a += 9) {
-            strip(a, std::min(shape_.stop_m, a + (border ? 9.0 : 4.0)), at - 0.07, at + 0.07, paint);
+        constexpr double pitch = 9.0;
+        const int dashes = static_cast<int>(std::ceil((shape_.stop_m - from) / pitch));
+        for (int dash = 0; dash < dashes; ++dash) {
+            const double a = from + pitch * dash;
+            strip(a, std::min(shape_.stop_m, a + (border ? pitch : 4.0)), at - 0.07, at + 0.07, paint);
         }
     }
     strip(shape_.stop_m, shape_.stop_m + 0.5, 0, right, paint);
-    for (double at = 0.5; at < right; at += 1.0) { // a crossing for people on foot
-        strip(shape_.stop_m + 1.5, shape_.stop_m + 4.5, at, at + 0.5, paint);
+    for (int bar = 0; bar + 0.5 < right; ++bar) { // a crossing for people on foot
+        strip(shape_.stop_m + 1.5, shape_.stop_m + 4.5, bar + 0.5, bar + 1.0, paint);
     }
 }
 
@@ -213,7 +217,12 @@ void RoadView::draw_road() {
 void RoadView::draw_houses() {
     const double right = shape_.lanes * road_lane_m + pavement_m + 3;
     const double left = -3.2 * road_lane_m - pavement_m - 3;
-    for (double ahead = shape_.stop_m + 160; ahead > 30; ahead -= random_.uniform(11.0, 19.0)) {
+    constexpr double last_house_m = 160.0; // beyond the stop line
+    constexpr double first_house_m = 30.0;
+    double next = shape_.stop_m + last_house_m;
+    while (next > first_house_m) {
+        const double ahead = next;
+        next -= random_.uniform(11.0, 19.0);
         if (ahead > shape_.stop_m - 4 && ahead < shape_.stop_m + shape_.across_m + 8) {
             continue; // the side street
         }
@@ -229,8 +238,10 @@ void RoadView::draw_houses() {
                  bright(wall, 0.9));
             fill(road_, {{ahead, away, 0}, {ahead + deep, away, 0}, {ahead + deep, away, high}, {ahead, away, high}},
                  wall);
-            for (double up = 1.2; up + 1.5 < high; up += 2.9) {
-                for (double a = ahead + 1; a + 1.2 < ahead + deep; a += 2.4) {
+            for (int floor = 0; 2.9 * floor + 2.7 < high; ++floor) {
+                for (int column = 0; 2.4 * column + 2.2 < deep; ++column) {
+                    const double up = 1.2 + 2.9 * floor;
+                    const double a = ahead + 1 + 2.4 * column;
                     fill(road_, {{a, away, up}, {a + 1.1, away, up}, {a + 1.1, away, up + 1.4}, {a, away, up + 1.4}},
                          cv::Scalar(60, 55, 50));
                 }
@@ -302,6 +313,7 @@ void RoadView::draw_shadow(cv::Mat &mask, const RoadBody &body, double reach) co
     std::vector<cv::Point2f> hull;
     cv::convexHull(hull_of, hull);
     std::vector<cv::Point> whole;
+    whole.reserve(hull.size());
     for (const cv::Point2f &point : hull) {
         whole.emplace_back(cvRound(point.x), cvRound(point.y));
     }
@@ -367,6 +379,7 @@ void RoadView::draw_beam(cv::Mat &picture, const RoadBody &body, double strength
     const std::vector<Corner> cone{hull.at(-0.5, -0.7, 0), hull.at(-0.5, 0.7, 0), hull.at(-14, 2.2, 0),
                                    hull.at(-14, -2.2, 0)};
     std::vector<cv::Point> outline;
+    outline.reserve(cone.size());
     for (const Corner &corner : cone) {
         const cv::Point2d at = place(corner.x, corner.y, 0);
         outline.emplace_back(cvRound(at.x), cvRound(at.y));

@@ -24,7 +24,18 @@ from elmopp_tools.compile_database import FOLDER, CompileDatabaseError, compile_
 ROOT = Path(__file__).resolve().parents[2]
 REPORTS = ROOT / "build" / "check"
 PRESETS = ("asan", "release", "cortex-m4", "fuzz")
-C_FOLDERS = ("firmware", "host_files", "choosers", "live_page", "host_sim", "library", "perception", "tests")
+C_FOLDERS = (
+    "firmware",
+    "host_files",
+    "choosers",
+    "live_page",
+    "host_sim",
+    "library",
+    "perception",
+    "scene",
+    "closed_loop",
+    "tests",
+)
 C_SUFFIXES = (".c", ".h", ".cpp", ".hpp")
 JOBS = len(os.sched_getaffinity(0))
 
@@ -244,9 +255,7 @@ def check_tidy(nightly: bool) -> str | None:
         return str(error)
     core = ROOT / "firmware" / "src"
     folders = [core, ROOT / "firmware" / "port"]
-    folders += [
-        ROOT / folder for folder in ("host_files", "choosers", "live_page", "host_sim", "library", "perception")
-    ]
+    folders += [ROOT / folder for folder in C_FOLDERS[1:-1]]
     files = sorted(f for f in compiled if any(f.is_relative_to(folder) for folder in folders))
     if not files:
         return "the preset host compiles no file of firmware/src or host_sim"

@@ -53,14 +53,12 @@ def by_scene(results: Sequence[Result]) -> list[str]:
     scenes: dict[str, list[Result]] = defaultdict(list)
     for result in results:
         scenes[result["scene"]].append(result)
-    head = [
-        (
-            "| scene | seeds | crossed | counted | lane error | present, error of a movement | delay, right counts, s "
-            "| delay, cameras, s | what counting costs, s [95 %] |"
-        ),
-        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    return head + [scene_row(scene, those) for scene, those in scenes.items()]
+    head = (
+        "| scene | seeds | crossed | counted | lane error | present, error of a movement | delay, right counts, s "
+        "| delay, cameras, s | what counting costs, s [95 %] |"
+    )
+    rule = "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"
+    return [head, rule, *(scene_row(scene, those) for scene, those in scenes.items())]
 
 
 def by_lane(results: Sequence[Result]) -> list[str]:
