@@ -214,11 +214,9 @@ class Show {
     Show(const ServeRequest &request, const Scenario &scenario)
         : request_(request), scenario_(scenario), desk_(scenario, {first_chooser(request, scenario), request.vehicles,
                                                                    request.speed, request.paused, request.straight}),
-          trial_(request.trial), server_(page_facts(scenario), request.port, [this](const std::string &body) {
-              const std::string state = desk_.take(body);
-              server_.stream().controls(state);
-              return state;
-          }) {}
+          trial_(request.trial),
+          server_(page_facts(scenario), request.port,
+                  Controls{desk_.settings().json(), [this](const std::string &body) { return desk_.take(body); }}) {}
 
     [[noreturn]] void go_on() {
         std::cout << "host_sim: " << server_.address() << " shows " << scenario_.junction.name << "; ctrl-C ends it\n"
@@ -275,7 +273,6 @@ class Show {
             {"straight", settings.straight},
             {"seed", request_.seed},
             {"trial", trial_}}.dump());
-        server_.stream().controls(settings.json());
         (void)run_trial(scenario_, *control, demand, simulated_points, [&](const Second &second) {
             std::string line = log_line(second, scenario_.junction, true);
             line.insert(line.size() - 1,

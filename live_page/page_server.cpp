@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -47,7 +48,11 @@ void own_the_port(socket_t socket) {
 
 class PageServer::Listening {
   public:
-    Listening(std::string site, std::uint16_t port, Wish wish) : site_(std::move(site)), wish_(std::move(wish)) {
+    Listening(std::string site, std::uint16_t port, const std::optional<Controls> &controls)
+        : site_(std::move(site)), controls_(controls.value_or(Controls{})) {
+        if (controls_.wish) {
+            stream_.controls(controls_.state);
+        }
         set_up();
         port_ = bind(port);
         names_ = {"127.0.0.1:" + std::to_string(port_), "localhost:" + std::to_string(port_)};
@@ -158,7 +163,7 @@ class PageServer::Listening {
         const std::string scheme = "http://";
         if (!origin.empty() && (origin.rfind(scheme, 0) != 0 || !is_ours(origin.substr(scheme.size())))) {
             refuse(response, forbidden, "Origin is another page; right would be " + address());
-        } else if (!wish_) {
+        } else if (!controls_.wish) {
             refuse(response, no_such_method, "nothing can be controlled here: this page only looks on");
         } else if (request.get_header_value("Content-Type").rfind("application/json", 0) != 0) {
             refuse(response, wrong_type, "Content-Type is not JSON; right would be application/json");
@@ -169,7 +174,10 @@ class PageServer::Listening {
 
     void answer(const std::string &body, httplib::Response &response) {
         try {
-            response.set_content(wish_(body), "application/json");
+            const std::lock_guard<std::mutex> lock(wishing_); // the last that is told is the last that was wished
+            const std::string state = controls_.wish(body);
+            stream_.controls(state);
+            response.set_content(state, "application/json");
             response.status = ok;
         } catch (const BadRequest &error) {
             refuse(response, bad_request, error.what());
@@ -177,7 +185,8 @@ class PageServer::Listening {
     }
 
     std::string site_;
-    Wish wish_;
+    Controls controls_; ///< without a wish: none
+    std::mutex wishing_;
     EventStream stream_;
     httplib::Server server_;
     std::thread thread_;
@@ -187,8 +196,8 @@ class PageServer::Listening {
     std::atomic<bool> ended_{false};
 };
 
-PageServer::PageServer(std::string site, std::uint16_t port, Wish wish)
-    : listening_(std::make_unique<Listening>(std::move(site), port, std::move(wish))) {}
+PageServer::PageServer(std::string site, std::uint16_t port, const std::optional<Controls> &controls)
+    : listening_(std::make_unique<Listening>(std::move(site), port, controls)) {}
 
 PageServer::~PageServer() = default;
 

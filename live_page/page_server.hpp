@@ -21,19 +21,25 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace elmopp {
 
 constexpr unsigned onlookers_max = 16;
 
-/// Takes a wish and returns the new state of the controls, both JSON. Throws BadRequest. Called from any thread.
-using Wish = std::function<std::string(const std::string &body)>;
+/// What people may change.
+struct Controls {
+    std::string state; ///< at the beginning, as JSON
+    /// Takes a wish and returns the new state of the controls, both JSON. Throws BadRequest. Called from the server's
+    /// threads, one at a time; whoever looks on is told.
+    std::function<std::string(const std::string &body)> wish;
+};
 
 class PageServer {
   public:
-    /// `port` 0: any. `wish` empty: nothing can be controlled. Throws BadRequest if the port cannot be had.
-    PageServer(std::string site, std::uint16_t port, Wish wish);
+    /// `port` 0: any. Without controls there is nothing to wish. Throws BadRequest if the port cannot be had.
+    PageServer(std::string site, std::uint16_t port, const std::optional<Controls> &controls);
     /// Ends the stream and every connection.
     ~PageServer();
     PageServer(const PageServer &) = delete;

@@ -17,6 +17,7 @@
 #include <csignal>
 #include <cstdint>
 #include <iostream>
+#include <optional>
 #include <string>
 
 namespace elmopp {
@@ -40,7 +41,7 @@ void run(const Request &request) {
     Wakeups wakeups(second_ms, {SIGINT, SIGTERM}); // before there are threads that a signal could come to
     nlohmann::ordered_json site = junction_json(junction);
     site["controls"] = false;
-    PageServer server(site.dump(), request.port, {});
+    PageServer server(site.dump(), request.port, std::nullopt);
     server.stream().begin(nlohmann::ordered_json{{"site", junction.name}, {"can", request.can}}.dump());
     std::cout << program_name << ": " << server.address() << " shows " << junction.name << " on " << request.can
               << "; ctrl-C ends it\n"

@@ -17,11 +17,11 @@ if(NOT CMAKE_INTERPROCEDURAL_OPTIMIZATION)
 endif()
 
 if(depends_on_no_build)
-    elmopp_add_python_test(NAME test_live_page COMMAND -m pytest -q tests/python/test_live_page.py LABELS sim web TIMEOUT 300)
+    elmopp_add_python_test(NAME test_live_page COMMAND -m pytest -q tests/python/test_live_page.py LABELS sim web TIMEOUT 600)
     set_tests_properties(test_live_page PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
 endif()
 
 if(depends_on_no_build AND ELMOPP_PERCEPTION)
-    elmopp_add_python_test(NAME test_lane_editor COMMAND -m pytest -q tests/python/test_lane_editor.py LABELS camera web TIMEOUT 300)
+    elmopp_add_python_test(NAME test_lane_editor COMMAND -m pytest -q tests/python/test_lane_editor.py LABELS camera web TIMEOUT 600)
     set_tests_properties(test_lane_editor PROPERTIES ENVIRONMENT "ELMOPP_CAMERA=$<TARGET_FILE:elmopp-camera>")
 endif()

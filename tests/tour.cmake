@@ -4,4 +4,4 @@
 # The guided tour, docs/tour.md: every command of it, with the programs of the preset release, which tools/check builds
 # before this one.
 
-elmopp_add_python_test(NAME test_tour COMMAND -m pytest -q tests/python/test_tour.py LABELS sim web TIMEOUT 300)
+elmopp_add_python_test(NAME test_tour COMMAND -m pytest -q tests/python/test_tour.py LABELS sim web TIMEOUT 900)

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import json
 import os
+import threading
 import time
 from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from elmopp_tools.browser import Browser
@@ -260,6 +262,62 @@ def test_every_site_is_drawn(browser: Browser, site: str) -> None:
           return !t.textContent || (a.x >= b.x && a.right <= b.right && a.y >= b.y && a.bottom <= b.bottom); })"""
         assert browser.run(inside)
         expect_quiet(browser, address(served))
+
+
+class Bus(BaseHTTPRequestHandler):
+    """Plays elmopp-view: a controller whose second camera is silent, and which then falls silent itself."""
+
+    site = ""
+    lines: ClassVar[list[str]] = []
+
+    def do_GET(self) -> None:
+        page = (ROOT / "live_page" / "page.html").read_text(encoding="utf-8")
+        told = "".join(f"event: second\ndata: {line}\n\n" for line in self.lines)
+        run = 'event: run\ndata: {"site": "one_way", "can": "can0"}\n\n'
+        answers = {"/": ("text/html", page), "/site": ("application/json", self.site)}
+        kind, text = answers.get(self.path, ("text/event-stream", run + told))
+        self.send_response(200)
+        self.send_header("Content-Type", kind)
+        self.end_headers()
+        self.wfile.write(text.encode())
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002  the name of the base class
+        """Says nothing."""
+
+
+def test_a_controller_on_a_bus_is_looked_at_only(browser: Browser) -> None:
+    with serving("--site", ONE_WAY, "--paused") as served:
+        site = json.loads(served.ask("GET", "/site")[1])
+    Bus.site = json.dumps(
+        {**{key: site[key] for key in site if key not in ("choosers", "demand_s")}, "controls": False}
+    )
+    line = {"t_s": 0, "stage": 0, "aspects": "31" + "0" * 14, "present": [4, 0], "arrived": [1, 0], "urgency": [0, 0]}
+    line |= {"forecast": [7.5, 0], "fault": 12, "uncounted": [1]}
+    Bus.lines = [json.dumps({**line, "mode": 5, "model": "mean (cold)"})]
+    with ThreadingHTTPServer(("127.0.0.1", 0), Bus) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"http://127.0.0.1:{server.server_port}/"
+        browser.look()
+        browser.open("about:blank")
+        browser.errors.clear()
+        browser.open(address)
+        browser.wait("document.body.dataset.second === '0'")
+        assert (
+            browser.run("[...document.querySelectorAll('button, input')].filter((e) => e.getClientRects().length)")
+            == []
+        )
+        assert text(browser, "under") == "on can0"
+        assert text(browser, "mode") == "fixed time"
+        assert text(browser, "fault") == "feedback lost (12)"
+        rows = browser.run(ROWS)
+        assert [row[2] for row in rows] == ["4", "?"]
+        assert "does not send its urgencies" in text(browser, "no-urgency")
+        assert "The mean stands in: the forecast has seen too little." in text(browser, "forecast-words")
+        picture(browser, "live-bus")
+        Bus.lines = [json.dumps(line)]
+        browser.wait("document.getElementById('mode').textContent === 'controller silent'")
+        browser.open("about:blank")
+        server.shutdown()
 
 
 def test_a_page_that_lost_its_program_says_so_and_comes_back(browser: Browser) -> None:

@@ -240,7 +240,7 @@ def test_more_vehicles_come_from_the_next_second_on() -> None:
 def test_another_chooser_begins_anew_with_the_same_traffic() -> None:
     with serving("--site", ONE_WAY, "--straight", "--speed", "100") as served:
         events = Onlooker(served).events()
-        assert json.loads(next(events)[1])["chooser"] == "naive"
+        assert next(json.loads(data)["chooser"] for kind, data in events if kind == "run") == "naive"
         first = [json.loads(data) for _, data in (next(events) for _ in range(30))]
         assert json.loads(served.wish({"chooser": "pressure@h=2"})[1])["chooser"] == "pressure@h=2"
         again: dict[str, Any] = {}
@@ -254,16 +254,20 @@ def test_another_chooser_begins_anew_with_the_same_traffic() -> None:
 
 def test_after_the_last_second_comes_the_next_trial() -> None:
     with serving("--site", ONE_WAY, "--straight", "--paused") as served:
-        events = Onlooker(served).events()
-        assert json.loads(next(events)[1])["trial"] == 0
-        last = 0
-        while last < 1999:
-            kind, data = next(events)
-            if kind == "second":
-                last = json.loads(data)["t_s"]
-                if last % 500 == 0:
-                    served.wish({"step": 600})  # as fast as it goes
-        assert next(json.loads(data)["trial"] for kind, data in events if kind == "run") == 1
+        trials, last, asked = [], 0, -300
+        for kind, data in Onlooker(served).events():
+            line = json.loads(data)
+            if kind == "run":
+                trials.append(line["trial"])
+                if line["trial"] > 0:
+                    break
+            elif kind == "second":
+                last = line["t_s"]
+            if last - asked >= 300:
+                asked = last
+                served.wish({"step": 600})  # as fast as it goes: seconds may be left out for whoever is slower
+    assert set(trials) == {0, 1}
+    assert last > 1000
 
 
 BAD_WISHES = [
