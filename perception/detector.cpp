@@ -4,12 +4,16 @@
 #include "detector.hpp"
 
 #include "error.hpp"
+#include "onnx_input.hpp"
 
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
+#include <fstream>
 #include <set>
+#include <sstream>
 #include <string>
 
 namespace elmopp {
@@ -109,6 +113,9 @@ void Detector::Impl::load() {
     if (!std::filesystem::is_regular_file(name)) {
         refuse("cannot be read; right would be an ONNX file beside the lane file");
     }
+    // What OpenCV thinks of a wrong file is several lines; ours is one.
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    cv::redirectError([](int, const char *, const char *, const char *, int, void *) { return 0; });
     try {
         net = cv::dnn::readNetFromONNX(name);
         net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
@@ -122,10 +129,10 @@ void Detector::Impl::load() {
 }
 
 void Detector::Impl::read_input() {
-    std::vector<cv::dnn::MatShape> in;
-    std::vector<cv::dnn::MatShape> out;
-    net.getLayerShapes(cv::dnn::MatShape(), 0, in, out);
-    const cv::dnn::MatShape shape = in.empty() ? cv::dnn::MatShape() : in.front();
+    std::ifstream stream(name, std::ios::binary);
+    std::stringstream bytes;
+    bytes << stream.rdbuf();
+    const cv::dnn::MatShape shape = onnx_input_shape(bytes.str()).value_or(cv::dnn::MatShape());
     const auto is_side = [](int side) { return side > 0 && side <= most_side_px; };
     if (shape.size() != 4 || shape[0] != 1 || shape[1] != 3 || !is_side(shape[2]) || !is_side(shape[3])) {
         refuse("its input is " + shape_text(shape) + "; right would be [1, 3, height, width] of a fixed size");
@@ -197,7 +204,10 @@ std::vector<cv::Rect2d> Detector::find(const cv::Mat &bgr) {
         const cv::Rect2d &box = found.boxes[static_cast<std::size_t>(i)];
         const cv::Rect2d there((box.x - place.x) / scale.x, (box.y - place.y) / scale.y, box.width / scale.x,
                                box.height / scale.y);
-        boxes.push_back(there & cv::Rect2d(0, 0, bgr.cols, bgr.rows));
+        const cv::Rect2d inside = there & cv::Rect2d(0, 0, bgr.cols, bgr.rows);
+        if (inside.area() > 0) {
+            boxes.push_back(inside);
+        }
     }
     return boxes;
 }

@@ -34,6 +34,11 @@ set_target_properties(draw_scene PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_
 target_link_libraries(draw_scene PRIVATE camera_scene elmopp_perception elmopp_flags nlohmann_json::nlohmann_json)
 elmopp_without_lto(draw_scene)
 
+add_executable(find_vehicles perception/find_vehicles.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c)
+set_target_properties(find_vehicles PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
+target_link_libraries(find_vehicles PRIVATE elmopp_perception elmopp_flags)
+elmopp_without_lto(find_vehicles)
+
 add_executable(copy_clip perception/copy_clip.cpp)
 set_target_properties(copy_clip PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin/tests")
 target_link_libraries(copy_clip PRIVATE elmopp_perception elmopp_flags)
@@ -45,8 +50,8 @@ endif()
 
 if(depends_on_no_build)
     set(camera_environment
-        "ELMOPP_CAMERA=$<TARGET_FILE:elmopp-camera>;ELMOPP_DRAW_SCENE=$<TARGET_FILE:draw_scene>;ELMOPP_CLIPS=${ELMOPP_CLIPS}")
-    foreach(name IN ITEMS test_camera_program test_camera_rtsp test_count_scores)
+        "ELMOPP_CAMERA=$<TARGET_FILE:elmopp-camera>;ELMOPP_DRAW_SCENE=$<TARGET_FILE:draw_scene>;ELMOPP_FIND_VEHICLES=$<TARGET_FILE:find_vehicles>;ELMOPP_COPY_CLIP=$<TARGET_FILE:copy_clip>;ELMOPP_CLIPS=${ELMOPP_CLIPS}")
+    foreach(name IN ITEMS test_camera_program test_camera_model test_camera_live test_camera_rtsp test_count_scores)
         elmopp_add_python_test(NAME ${name} COMMAND -m pytest -q tests/python/${name}.py LABELS camera TIMEOUT 300)
         set_tests_properties(${name} PROPERTIES ENVIRONMENT "${camera_environment}")
     endforeach()

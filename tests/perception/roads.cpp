@@ -200,6 +200,19 @@ const std::map<std::string, Maker> &makers() {
              road.quality = 12;
              return with(road, {}, s);
          }},
+        {"blocks", // white, on a road in the dark, far apart: for a detector that knows nothing but light
+         [](double s) {
+             Road road = a_road({small_width, small_width}, 1);
+             road.scene.light = 0.35;
+             Traffic traffic;
+             traffic.gap_s = 2.5;
+             road = with(road, traffic, s);
+             for (auto &car : road.flow.cars) {
+                 car.car.paint = cv::Scalar::all(700);
+                 car.car.glass = 0;
+             }
+             return road;
+         }},
         {"lorries",
          [](double s) {
              Traffic traffic;

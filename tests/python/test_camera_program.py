@@ -9,7 +9,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from elmopp_tools import draw_lanes, score_counter
+from elmopp_tools import clip_copies, draw_lanes, score_counter
 from PIL import Image
 
 CAMERA = os.environ["ELMOPP_CAMERA"]
@@ -53,20 +53,20 @@ def camera(*arguments: object) -> subprocess.CompletedProcess[str]:
 @pytest.fixture(scope="module")
 def clips(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("clips")
-    subprocess.run([DRAW_SCENE, str(folder), "drawn", str(SECONDS)], check=True)
+    subprocess.run([DRAW_SCENE, str(folder), "plain", str(SECONDS)], check=True)
     return folder
 
 
 @pytest.fixture(scope="module")
 def lanes(clips: Path) -> Path:
-    file = clips / "drawn.lanes"
-    assert score_counter.main(["--write-lanes", str(clips / "drawn.json"), str(file)]) == 0
+    file = clips / "plain.lanes"
+    assert score_counter.main(["--write-lanes", str(clips / "plain.json"), str(file)]) == 0
     return file
 
 
 def test_records_come_once_a_second_and_keep_their_schema(clips: Path, lanes: Path, tmp_path: Path) -> None:
     records = tmp_path / "r.jsonl"
-    done = camera("--source", clips / "drawn.avi", "--lanes", lanes, "--jsonl", records)
+    done = camera("--source", clips / "plain.avi", "--lanes", lanes, "--jsonl", records)
     assert (done.returncode, done.stderr) == (0, "")
     lines = [json.loads(line) for line in records.read_text().splitlines()]
     for line in lines:
@@ -82,7 +82,7 @@ def test_the_same_video_gives_the_same_bytes(clips: Path, lanes: Path, tmp_path:
     said = []
     for run in ("a", "b"):
         files = [tmp_path / f"{run}.{kind}" for kind in ("jsonl", "crossings")]
-        arguments = ("--source", clips / "drawn.avi", "--lanes", lanes, "--jsonl", files[0], "--crossings", files[1])
+        arguments = ("--source", clips / "plain.avi", "--lanes", lanes, "--jsonl", files[0], "--crossings", files[1])
         assert camera(*arguments).returncode == 0
         said.append([file.read_bytes() for file in files])
     assert said[0] == said[1]
@@ -93,18 +93,31 @@ def test_the_overlay_is_a_video_or_a_picture(clips: Path, lanes: Path, tmp_path:
     for name in ("o.png", "o.avi"):
         out = tmp_path / name
         assert (
-            camera("--source", clips / "drawn.avi", "--lanes", lanes, "--overlay", out, "--seconds", 2).returncode == 0
+            camera("--source", clips / "plain.avi", "--lanes", lanes, "--overlay", out, "--seconds", 2).returncode == 0
         )
         assert out.stat().st_size > 10_000
     assert Image.open(tmp_path / "o.png").size == (352, 264)
     again = camera("--source", tmp_path / "o.avi", "--lanes", lanes, "--jsonl", "-")  # decodes, and has the right size
     assert again.returncode == 0
-    assert json.loads(again.stdout.splitlines()[-1])["frame"] > 40
+    assert json.loads(again.stdout.splitlines()[-1])["frame"] == 50  # each of the first two seconds' frames, and one
+
+
+def cpu_s_of(video: Path, lanes: Path, folder: Path, *more: object) -> float:
+    timing = folder / "timing"
+    assert camera("--source", video, "--lanes", lanes, "--timing", timing, *more).returncode == 0
+    return float(json.loads(timing.read_text())["cpu_s"])
+
+
+def test_an_overlay_costs_less_than_a_third_of_the_frames(clips: Path, lanes: Path, tmp_path: Path) -> None:
+    video = clips / "plain.avi"
+    without = min(cpu_s_of(video, lanes, tmp_path) for _ in range(3))
+    drawn = min(cpu_s_of(video, lanes, tmp_path, "--overlay", tmp_path / "o.avi") for _ in range(3))
+    assert without / drawn >= 0.7, (without, drawn)
 
 
 def test_a_video_that_is_cut_short_is_counted_as_far_as_it_goes(clips: Path, lanes: Path, tmp_path: Path) -> None:
     cut = tmp_path / "cut.avi"
-    whole = (clips / "drawn.avi").read_bytes()
+    whole = (clips / "plain.avi").read_bytes()
     cut.write_bytes(whole[: len(whole) // 2])
     done = camera("--source", cut, "--lanes", lanes, "--jsonl", "-")
     assert done.returncode == 0
@@ -119,7 +132,7 @@ def test_what_cannot_be_run_is_refused_in_one_line(clips: Path, lanes: Path, tmp
     wrong.write_text(lanes.read_text().replace('"width": 352', '"width": 640'))
     typo = tmp_path / "typo.lanes"
     typo.write_text(lanes.read_text().replace('"direction"', '"direktion"', 1))
-    video = clips / "drawn.avi"
+    video = clips / "plain.avi"
     requests = [
         (("--source", "nowhere.avi", "--lanes", lanes), "nowhere.avi"),
         (("--source", empty, "--lanes", lanes), "empty.avi"),
@@ -130,6 +143,7 @@ def test_what_cannot_be_run_is_refused_in_one_line(clips: Path, lanes: Path, tmp
         (("--source", video, "--lanes", lanes, "--overlay", "x.gif"), "x.gif"),
         (("--source", video, "--lanes", lanes, "--jsonl", "no/folder/x"), "no/folder/x"),
         (("--source", video, "--lanes", lanes, "--can", "nocan9"), "nocan9"),
+        (("--source", video, "--lanes", lanes, "--try", "nek=0.7"), "nek=0.7"),
         (("--lanes", lanes), "--source"),
     ]
     for arguments, word in requests:
@@ -143,7 +157,7 @@ def test_the_drawn_clip_is_scored(clips: Path, tmp_path: Path, capsys: pytest.Ca
     out = tmp_path / "scores.json"
     assert score_counter.main(["--clips", str(clips), "--json", str(out), "--camera", CAMERA, "--events"]) == 0
     report = json.loads(out.read_text())
-    clip = report["clips"]["drawn"]
+    clip = report["clips"]["plain"]
     assert list(clip) == [
         "truth", "counted", "count_error", "lane_error", "f1", "wrong_events", "presence_error", "learning", "flags",
         "fps", "p99_ms", "rss_mb",
@@ -193,3 +207,24 @@ def test_lanes_are_drawn_on_a_frame(lanes: Path, tmp_path: Path, capsys: pytest.
     typo.write_text(lanes.read_text().replace('"direction"', '"direktion"', 1))
     assert draw_lanes.main(["--lanes", str(typo), "--frame", str(frame), "--out", str(out)]) == 2
     assert "direction" in capsys.readouterr().err
+
+
+def test_copies_of_a_clip_have_the_truth_of_what_they_show(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Two clips, as a pool needs."""
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    for name in ("plain", "up"):
+        subprocess.run([DRAW_SCENE, str(folder), name, "14"], check=True)
+    out = tmp_path / "copies.json"
+    asked = ["--clips", str(folder), "--json", str(out), "--camera", CAMERA]
+    assert score_counter.main([*asked, "--copies", "third,mirrored,turned"]) == 0
+    for kind, pool in json.loads(out.read_text())["copies"].items():
+        assert pool["f1"] > 0.8, (kind, pool)
+    assert score_counter.main([*asked, "--copies", "upside"]) == 2
+    assert "upside" in capsys.readouterr().err
+    truth = json.loads((folder / "up.json").read_text())
+    backwards = clip_copies.changed_truth(truth, "reversed")
+    assert backwards["lanes"][0]["direction"] == "down"
+    assert clip_copies.changed_truth(backwards, "reversed")["crossings"] == truth["crossings"]
+    stopped = clip_copies.changed_truth(truth, "stopped")
+    assert stopped["crossings"][-1]["frame"] == truth["crossings"][-1]["frame"] + clip_copies.STOPPED_FRAMES

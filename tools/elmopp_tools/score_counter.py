@@ -18,7 +18,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from elmopp_tools.count_scores import Event, pooled, presence_error, score_crossings, wrong_events
+from elmopp_tools import clip_copies
+from elmopp_tools.count_scores import Counted, Event, pooled, presence_error, score_crossings, wrong_events
 
 EXIT_DONE = 0
 EXIT_FAILED = 1
@@ -91,7 +92,9 @@ def json_lines(file: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
 
 
-def run_camera(program: Path, video: Path, truth: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+def run_camera(
+    program: Path, video: Path, truth: Mapping[str, Any], folder: Path, tries: Sequence[str] = ()
+) -> dict[str, Any]:
     """What the program says of a video: crossings, records, timing."""
     lanes = folder / "lanes.json"
     lanes.write_text(json.dumps(lanes_of(truth)), encoding="utf-8")
@@ -99,6 +102,8 @@ def run_camera(program: Path, video: Path, truth: Mapping[str, Any], folder: Pat
     command = [str(program), "--source", str(video), "--lanes", str(lanes)]
     for name, file in files.items():
         command += [f"--{name}", str(file)]
+    for one in tries:
+        command += ["--try", one]
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except OSError as error:
@@ -156,6 +161,86 @@ def score_folder(program: Path, clips: Path, verbose: bool) -> dict[str, Any]:
     return report
 
 
+# Steps to both sides of the defaults (perception/settings.hpp), one at a time.
+GRID = (
+    (), ("texture=0.05",), ("texture=0.09",), ("density=0.15",), ("density=0.25",), ("covered=0.4",), ("covered=0.6",),
+    ("neck=0.68",), ("neck=0.8",), ("joined=1.4",), ("joined=1.8",), ("fragment=0.4",), ("fragment=0.6",),
+)  # fmt: skip
+
+
+def truths_of(clips: Path) -> dict[str, dict[str, Any]]:
+    """The clips with crossings of a folder; RequestError if there are not two."""
+    truths = {file.stem: read_truth(file) for file in sorted(clips.glob("*.json"))}
+    truths = {name: truth for name, truth in truths.items() if truth["total"]}
+    if len(truths) < 2:
+        raise RequestError(f"--clips {clips}: holds {len(truths)} clips with crossings; right would be two or more")
+    return truths
+
+
+def counted_with(
+    program: Path, clips: Path, truths: Mapping[str, Mapping[str, Any]], tries: Sequence[str]
+) -> dict[str, Counted]:
+    """What each clip is counted as with these settings in place of the defaults."""
+    counted = {}
+    for name, truth in truths.items():
+        with tempfile.TemporaryDirectory() as folder:
+            said = run_camera(program, clips / truth["video"], truth, Path(folder), tries)
+        counted[name] = score_crossings(truth, [Event(c["frame"], c["lane"]) for c in said["crossings"]])
+    return counted
+
+
+def leave_one_out(program: Path, clips: Path) -> dict[str, Any]:
+    """Each clip with the settings that are best on the others: the F1 first, then the lane error, then the defaults."""
+    truths = truths_of(clips)
+    found = {" ".join(tries) or "defaults": counted_with(program, clips, truths, tries) for tries in GRID}
+    report: dict[str, Any] = {"clips": {}}
+    left_out = []
+    for name in truths:
+
+        def worth(settings: str, without: str = name) -> tuple[float, float]:
+            rest = pooled([one for clip, one in found[settings].items() if clip != without])
+            return (rest["f1"] or 0.0, -(rest["lane_error"] or 0.0))
+
+        best = max(found, key=worth)
+        one = found[best][name]
+        left_out.append(one)
+        report["clips"][name] = {
+            "chosen": best, "truth": one.truth, "counted": one.counted, "lane_error": one.lane_error, "f1": one.f1,
+        }  # fmt: skip
+    report["pooled"] = pooled(left_out)
+    report["grid"] = {settings: pooled(list(of.values())) for settings, of in found.items()}
+    return report
+
+
+def score_copies(program: Path, clips: Path, kinds: Sequence[str]) -> dict[str, Any]:
+    """The clips with crossings, changed by program: the pool of each kind of change."""
+    truths = truths_of(clips)
+    report: dict[str, Any] = {"copies": {}}
+    for kind in kinds:
+        with tempfile.TemporaryDirectory() as folder:
+            copies = Path(folder)
+            try:
+                for name, truth in truths.items():
+                    clip_copies.copy_clip(clips / truth["video"], truth, kind, copies, name)
+            except clip_copies.CopyError as error:
+                raise RequestError(str(error)) from None
+            changed = truths_of(copies)
+            report["copies"][kind] = pooled(list(counted_with(program, copies, changed, ()).values()))
+        print(pool_line(kind, report["copies"][kind]), flush=True)
+    return report
+
+
+def pool_line(name: str, pool: Mapping[str, float | None]) -> str:
+    def share(key: str) -> str:
+        value = pool[key]
+        return "-" if value is None else f"{100 * value:.1f} %"
+
+    f1 = pool["f1"]
+    return (
+        f"{name:<16} count {share('count_error')}, lane {share('lane_error')}, F1 {'-' if f1 is None else f'{f1:.3f}'}"
+    )
+
+
 def table_of(report: Mapping[str, Any]) -> str:
     """The report as lines for a person."""
 
@@ -187,6 +272,29 @@ def write_json(file: Path, content: Mapping[str, Any]) -> None:
         raise RequestError(f"{file}: cannot be written: {error.strerror}") from None
 
 
+def report_of(request: argparse.Namespace) -> dict[str, Any]:
+    """Runs what was asked for and prints it for a person."""
+    program = camera_program(request.camera)
+    clips = Path(request.clips)
+    if request.copies:
+        kinds = clip_copies.KINDS if request.copies == "all" else request.copies.split(",")
+        for kind in kinds:
+            if kind not in clip_copies.KINDS:
+                raise RequestError(f"--copies {kind}: right would be all, or some of {','.join(clip_copies.KINDS)}")
+        return score_copies(program, clips, kinds)
+    if request.leave_one_out:
+        report = leave_one_out(program, clips)
+        for name, clip in report["clips"].items():
+            print(f"{name:<24} {clip['chosen']:<14} {clip['counted']}/{clip['truth']} F1 {clip['f1']:.3f}")
+        print(pool_line("left out", report["pooled"]))
+        for settings, pool in report["grid"].items():
+            print(pool_line(settings, pool))
+        return report
+    report = score_folder(program, clips, request.events)
+    print(table_of(report))
+    return report
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     parser = _Parser(
         prog="score-counter",
@@ -200,6 +308,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--write-lanes", nargs=2, metavar=("TRUTH", "FILE"), help="writes the lane file of a truth file"
     )
     parser.add_argument("--camera", metavar="PROGRAM", help="elmopp-camera to score; default: the one that was built")
+    parser.add_argument(
+        "--copies",
+        metavar="LIST",
+        help=f"score copies changed by program: all, or some of {','.join(clip_copies.KINDS)}",
+    )
+    parser.add_argument(
+        "--leave-one-out", action="store_true", help="score each clip with the settings that are best on the others"
+    )
     parser.add_argument("--events", action="store_true", help="also print the crossings that are missed or false")
     request = parser.parse_args(arguments)
     try:
@@ -208,9 +324,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return EXIT_DONE
         if not request.clips or not request.json:
             raise RequestError("--clips DIR and --json FILE are needed, or --write-lanes TRUTH FILE")
-        report = score_folder(camera_program(request.camera), Path(request.clips), request.events)
+        report = report_of(request)
         write_json(Path(request.json), report)
-        print(table_of(report))
     except RequestError as error:
         print(f"score-counter: {error}", file=sys.stderr)
         return EXIT_REFUSED
