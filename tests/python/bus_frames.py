@@ -9,6 +9,7 @@ After firmware/can/elmopp.dbc and apart from the generated codec. Standard libra
 from dataclasses import dataclass
 
 LAMP_COMMAND, LAMP_FEEDBACK, COUNTS, STATUS, COMMAND, SIM_TIME = 0x080, 0x090, 0x100, 0x180, 0x200, 0x7E0
+NEIGHBOUR_OUTFLOW = 0x1A0
 TRANSFER, TRANSFER_ACK = 0x300, 0x301
 MODES = ["starting", "start_flash", "start_red", "first_stage", "automatic", "fixed_time", "manual", "all_red"]
 MODES += ["flashing", "dark", "fail_safe"]

@@ -40,7 +40,7 @@ from bus import (
     lamp_node,
     refused,
 )
-from bus_frames import COMMAND, LAMP_COMMAND, LAMP_FEEDBACK, MODES, STATUS, sealed
+from bus_frames import COMMAND, LAMP_COMMAND, LAMP_FEEDBACK, MODES, NEIGHBOUR_OUTFLOW, STATUS, sealed
 
 STEADY = "fixed_time"
 BUS_OFF, RESTARTED, CONTROLLER = 0x40, 0x100, 0x04
@@ -312,6 +312,15 @@ def test_error_frames_are_understood_and_change_no_lamp(junctions: Junctions) ->
     program.says("error-passive 1", 5.0)
     for frame in bus.hear(1.0):
         assert frame.id != STATUS or frame.mode == STEADY
+
+
+def test_every_neighbour_is_heard(junctions: Junctions) -> None:
+    """The kernel's filter lets its frames through: spoilt ones are counted."""
+    bus = junctions.steady("err0").bus
+    before = bus.until(STATUS, bool, 3.0, "a status").refused
+    for approach in range(4):
+        bus.send(NEIGHBOUR_OUTFLOW + approach, sealed(NEIGHBOUR_OUTFLOW + approach, 3)[:7] + b"\x55")
+    bus.until(STATUS, lambda frame: frame.refused == (before + 4) % 256, 3.0, "four refused frames")
 
 
 def sent_frames(name: str) -> int:

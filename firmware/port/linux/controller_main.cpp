@@ -66,6 +66,7 @@ std::vector<std::uint16_t> wanted_ids(const elmopp_junction_t &junction, bool bu
         ids.push_back(static_cast<std::uint16_t>(first + index));
     };
     for (unsigned i = 0; i < junction.approach_count; ++i) {
+        add(ELMOPP_CAN_NEIGHBOUR_OUTFLOW_FRAME_ID, i);
         if (elmopp_mask_has(junction.cameras, i)) {
             add(ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID, i);
         }

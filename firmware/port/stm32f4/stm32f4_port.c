@@ -46,6 +46,7 @@ static_assert((2U * STORE_BYTES) == ELMOPP_FLASH_WRITER_BYTES, "weights, then a 
 /* Whatever a controller listens to, at any site; SimTime is not among them. */
 #define FEEDBACK(node) (ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID + (node))
 #define CAMERA(approach) (ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID + (approach))
+#define NEIGHBOUR(approach) (ELMOPP_CAN_NEIGHBOUR_OUTFLOW_FRAME_ID + (approach))
 static const uint16_t wanted_ids[] = {
     ELMOPP_CAN_LAMP_COMMAND_FRAME_ID, /* of a second controller, as the next one */
     ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID,
@@ -68,8 +69,16 @@ static const uint16_t wanted_ids[] = {
     CAMERA(5U),
     CAMERA(6U),
     CAMERA(7U),
+    NEIGHBOUR(0U),
+    NEIGHBOUR(1U),
+    NEIGHBOUR(2U),
+    NEIGHBOUR(3U),
+    NEIGHBOUR(4U),
+    NEIGHBOUR(5U),
+    NEIGHBOUR(6U),
+    NEIGHBOUR(7U),
 };
-static_assert((ELMOPP_NODE_MAX == 8U) && (ELMOPP_APPROACH_MAX == 8U), "wanted_ids has every node and every camera");
+static_assert((ELMOPP_NODE_MAX == 8U) && (ELMOPP_APPROACH_MAX == 8U), "wanted_ids has every node and approach");
 
 static elmopp_bxcan_t can;
 static elmopp_serial_t serial;
