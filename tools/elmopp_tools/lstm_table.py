@@ -118,6 +118,8 @@ def c_text() -> str:
         " * Copyright 2026 The ELMOPP authors */",
         "",
         '#include "elmopp/lstm_q15_table.h"',
+        "",
+        "/* clang-format off */",
     ]
     for activation in ACTIVATIONS:
         values = [_literal(entry) for entry in table(activation)]
