@@ -644,7 +644,7 @@ void Counter::draw(cv::Mat &bgr, const Record &record) const {
             text += one.valid ? "" : std::string(" ") + reason_name(one.reason);
         }
         const cv::Point where = cv::Point((lane.from_px + lane.to_px) / 2) - cv::Point(10, 5);
-        cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar(0, 0, 0), 3, cv::LINE_AA);
+        cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar(0, 0, 0), 3, cv::LINE_8);
         cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
     }
     if (!my.file.junction_px.empty()) {

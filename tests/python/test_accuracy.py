@@ -25,10 +25,15 @@ NETWORKS = (*RECURRENT, "lstm-q15", "nlstm-q15", "ann", "gcn")
 
 
 @pytest.fixture(scope="module")
-def accuracy(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("accuracy") / "accuracy.json"
     subprocess.run([HOST_SIM, "accuracy", "--json", str(file)], check=True, capture_output=True)
-    found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    return file
+
+
+@pytest.fixture(scope="module")
+def accuracy(measured: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(measured.read_text(encoding="utf-8"))
     return found
 
 
@@ -100,18 +105,25 @@ def test_no_evaluation_sees_a_training_seed(accuracy: dict[str, Any]) -> None:
     assert min(TRAINING_SEED, VALIDATION_SEED) >= 4_000_000_000
 
 
-def test_the_tables_are_those_of_a_fresh_measurement() -> None:
-    command = [sys.executable, str(ROOT / "tools" / "accuracy"), "--check", "--host-sim", HOST_SIM]
+def test_the_tables_are_those_of_a_fresh_measurement(measured: Path) -> None:
+    command = [sys.executable, str(ROOT / "tools" / "accuracy"), "--check", "--measured", str(measured)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
-def test_a_changed_number_in_the_document_is_found(tmp_path: Path) -> None:
+def test_the_simulator_is_asked_where_no_measurement_is_given(tmp_path: Path) -> None:
+    command = [sys.executable, str(ROOT / "tools" / "accuracy"), "--check", "--host-sim", str(tmp_path / "none")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert str(tmp_path / "none") in done.stderr
+
+
+def test_a_changed_number_in_the_document_is_found(measured: Path, tmp_path: Path) -> None:
     text = (ROOT / "weights" / "README.md").read_text(encoding="utf-8")
     row = next(line for line in text.splitlines() if line.startswith("| `lstm`"))
     document = tmp_path / "README.md"
     document.write_text(text.replace(row, row.rsplit("0.", 1)[0] + "0.999 |"), encoding="utf-8")
-    command = [sys.executable, str(ROOT / "tools" / "accuracy"), "--check", "--host-sim", HOST_SIM, str(document)]
+    command = [sys.executable, str(ROOT / "tools" / "accuracy"), "--check", "--measured", str(measured), str(document)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "0.999" in done.stderr

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
@@ -209,6 +210,10 @@ def test_lanes_are_drawn_on_a_frame(lanes: Path, tmp_path: Path, capsys: pytest.
     assert "direction" in capsys.readouterr().err
 
 
+def in_time(crossing: dict[str, Any]) -> tuple[int, str]:
+    return crossing["frame"], crossing["lane"]
+
+
 def test_copies_of_a_clip_have_the_truth_of_what_they_show(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Two clips, as a pool needs."""
     folder = tmp_path / "clips"
@@ -225,6 +230,7 @@ def test_copies_of_a_clip_have_the_truth_of_what_they_show(tmp_path: Path, capsy
     truth = json.loads((folder / "up.json").read_text())
     backwards = clip_copies.changed_truth(truth, "reversed")
     assert backwards["lanes"][0]["direction"] == "down"
-    assert clip_copies.changed_truth(backwards, "reversed")["crossings"] == truth["crossings"]
+    forwards = clip_copies.changed_truth(backwards, "reversed")["crossings"]
+    assert sorted(forwards, key=in_time) == sorted(truth["crossings"], key=in_time)
     stopped = clip_copies.changed_truth(truth, "stopped")
     assert stopped["crossings"][-1]["frame"] == truth["crossings"][-1]["frame"] + clip_copies.STOPPED_FRAMES

@@ -58,7 +58,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        tables = make_tables(measured(options.host_sim), options.weights)
+        errors = measured(options.host_sim) if options.measured is None else read_json(options.measured)
+        tables = make_tables(errors, options.weights)
         good = [update(document, tables, options.check) for document in options.documents]
     except KeyError as error:
         say("accuracy", f"{options.weights}: a file lacks {error}; right would be files of tools/train")
@@ -79,6 +80,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--host-sim", type=Path, default=HOST_SIM, metavar="FILE", help="the simulator (preset release)"
+    )
+    parser.add_argument(
+        "--measured", type=Path, metavar="FILE", help="what `host_sim accuracy --json` wrote, instead of asking it"
     )
     parser.add_argument(
         "--weights", type=Path, default=ROOT / "weights", metavar="DIR", help="folder of tools/train (weights)"
@@ -108,7 +112,7 @@ def read_json(file: Path) -> dict[str, Any]:
     try:
         found = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise TableError(f"{file}: {error}; right would be a file of tools/train") from error
+        raise TableError(f"{file}: {error}; right would be a file of tools/train or of host_sim accuracy") from error
     if not isinstance(found, dict):
         raise TableError(f"{file} holds no object; right would be a file of tools/train")
     return found
