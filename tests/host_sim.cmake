@@ -54,7 +54,11 @@ function(elmopp_add_host_sim_python_test)
 endfunction()
 
 elmopp_add_host_sim_python_test(NAME test_reference LABELS golden sim TIMEOUT 600)
-elmopp_add_host_sim_python_test(NAME test_host_sim LABELS sim TIMEOUT 600)
+set(labels sim)
+if(NOT depends_on_no_build) # under sanitizers, two minutes of a processor; the rooms' own tests are there by day
+    list(APPEND labels nightly)
+endif()
+elmopp_add_host_sim_python_test(NAME test_host_sim LABELS ${labels} TIMEOUT 900)
 set_tests_properties(test_host_sim PROPERTIES COST 90) # the longest first, so that none is left alone at the end
 if(CMAKE_BUILD_TYPE STREQUAL "Release")
     # 4,000 trials: seconds in this build, minutes in others.
