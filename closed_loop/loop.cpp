@@ -4,6 +4,7 @@
 #include "loop.hpp"
 
 #include "bus.hpp"
+#include "csv.hpp"
 #include "decision_log.hpp"
 #include "error.hpp"
 #include "overlay.hpp"
@@ -19,7 +20,6 @@
 #include <functional>
 #include <iterator>
 #include <memory>
-#include <numeric>
 #include <utility>
 
 namespace elmopp {
@@ -150,9 +150,7 @@ class LoopProgram {
         }
         const auto scenes = RoadWeather::names();
         if (std::find(scenes.begin(), scenes.end(), request_.scene) == scenes.end()) {
-            const std::string all = std::accumulate(std::next(scenes.begin()), scenes.end(), scenes[0],
-                                                    [](auto sum, const auto &one) { return sum + ", " + one; });
-            throw BadRequest("--scene \"" + request_.scene + "\": right would be one of " + all);
+            throw BadRequest("--scene \"" + request_.scene + "\": right would be one of " + join(scenes, ", "));
         }
         const bool is_inproc = request_.link == "inproc";
         if (!is_inproc && request_.link.rfind("can:", 0) != 0 && request_.link.rfind("slcan:", 0) != 0) {
@@ -198,6 +196,7 @@ class StreetRun {
         : loop_(loop), films_(with_cameras ? loop.films() : std::vector<std::unique_ptr<Film>>()),
           plan_(plan_of(loop.scenario_)), follower_(plan_, 0), there_(loop.site_.movement_count) {
         std::vector<Film *> looking;
+        looking.reserve(films_.size());
         for (const auto &film : films_) {
             looking.push_back(film.get());
         }

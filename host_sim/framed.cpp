@@ -2,8 +2,8 @@
 // Copyright 2026 The ELMOPP authors
 
 #include "error.hpp"
-#include "learning.hpp"
 #include "jobs.hpp"
+#include "learning.hpp"
 #include "networks.hpp"
 #include "trial.hpp"
 

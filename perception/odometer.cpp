@@ -52,7 +52,10 @@ Fit best_fit(const cv::Mat &now, const cv::Mat &now_mask, const cv::Mat &old, co
     constexpr double unknown = 1e9;
     std::array<double, 2 * search_rows + 1> fits{};
     fits.fill(unknown);
-    const auto at = [&fits](int shift) -> double & { return fits[static_cast<std::size_t>(shift + search_rows)]; };
+    const auto at = [&fits](int shift) -> double & {
+        const int index = shift + search_rows;
+        return fits[static_cast<std::size_t>(index)];
+    };
     double whole = 0;
     misfit(now, now_mask, old, old_mask, 0, whole);
     int best = 0;

@@ -53,7 +53,9 @@ bool cut(const Polygon &zone, bool vertical, double at, double &low, double &hig
 std::pair<double, double> full_part(const Polygon &zone, bool vertical, double first, double last) {
     constexpr double least_share = 0.6;
     std::vector<cv::Vec2d> widths; // position, width
-    for (double at = first + 0.5; at < last; at += 1.0) {
+    const int rows = static_cast<int>(std::ceil(last - first - 0.5));
+    for (int row = 0; row < rows; ++row) {
+        const double at = first + 0.5 + row;
         double low = 0;
         double high = 0;
         if (cut(zone, vertical, at, low, high)) {

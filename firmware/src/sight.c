@@ -242,11 +242,10 @@ static void observe_movement(elmopp_sight_t *self, const elmopp_view_t *view, ui
     const float queued_veh = self->queued_veh[movement];
     drive_on(self, movement, arrived_veh, present_veh);
     expect(self, movement, arrived_veh);
-    if (!is_settled(self, view, movement)) {
-        self->idle_s[movement] = 0U;
-    } else if (!held) {
+    const bool settled = is_settled(self, view, movement);
+    if (settled && (!held)) {
         watch_queue(self, view->stage, movement, queued_veh, left_veh);
-    } else if (left_veh >= LEFT_VEH) {
+    } else if ((!settled) || (left_veh >= LEFT_VEH)) {
         self->idle_s[movement] = 0U;
     } else {
         /* who waits for a gap is not blocked, nor does he show that he is not */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
  * Copyright 2026 The ELMOPP authors */
 
-/// A step of the LSTM in float and in whole numbers, quantising it, and one of each network that sees windows, takes the same number of instructions, whatever the
-/// numbers are.
+/// A step of the LSTM in float and in whole numbers, quantising it, and one of each network that sees windows, takes
+/// the same number of instructions, whatever the numbers are.
 ///
 /// run_qemu.sh makes one instruction last 64 ns, and the board's SysTick counts at 25 MHz: 8 ticks are exactly 5
 /// instructions. The counter is cleared before each run, so equal instructions are equal ticks, and one more or less

@@ -65,7 +65,8 @@ cv::Mat compressed(const cv::Mat &frame, int) {
 
 cv::Mat small(const cv::Mat &frame, int) {
     cv::Mat out;
-    cv::resize(frame, out, frame.size() / 2, 0, 0, cv::INTER_AREA);
+    const cv::Size even(frame.cols / 4 * 2, frame.rows / 4 * 2); // as a video has it
+    cv::resize(frame, out, even, 0, 0, cv::INTER_AREA);
     return out;
 }
 

@@ -7,7 +7,8 @@
 /// sum of 0, product by product, that is every row of any length.
 ///
 /// Part 1, the tables. Whatever a row has reached, to the ends of a word: the entry is inside the table, the line does
-/// not overflow, and what comes of it is within what the table promises, so that products of two results stay in theirs.
+/// not overflow, and what comes of it is within what the table promises, so that products of two results stay in
+/// theirs.
 
 #include "claims.h"
 

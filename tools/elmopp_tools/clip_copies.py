@@ -86,7 +86,7 @@ def changed_truth(truth: Mapping[str, Any], kind: str) -> Truth:
         new["width"], new["height"] = truth["height"], truth["width"]
         _points(new, lambda x, y: [y, x], TURNED)
     elif kind == "small":
-        new["width"], new["height"] = truth["width"] // 2, truth["height"] // 2
+        new["width"], new["height"] = truth["width"] // 4 * 2, truth["height"] // 4 * 2  # even, as a video has it
         _points(new, lambda x, y: [x / 2, y / 2], {word: word for word in TURNED})
     elif kind == "reversed":
         _reversed(new)

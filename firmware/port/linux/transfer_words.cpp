@@ -41,7 +41,7 @@ std::string content_of(const elmopp_transfer_report_t &report) {
                    ? elmopp_weights_fault_name(static_cast<elmopp_weights_fault_t>(report.first))
                    : "a rule that this program does not know";
     }
-    const std::string rule = "rule " + std::to_string(report.first) + " at " + std::to_string(report.second);
+    std::string rule = "rule " + std::to_string(report.first) + " at " + std::to_string(report.second);
     if (report.first > ELMOPP_SITE_IMAGE_CRC) {
         return rule;
     }
