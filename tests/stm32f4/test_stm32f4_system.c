@@ -349,7 +349,8 @@ static void test_what_controllers_listen_to_is_let_through_and_simulated_time_is
     event = all_ids;
     run_ms(3060U);
     const uint32_t feedback = 20U + 1U; /* of the lamp node, meanwhile */
-    TEST_ASSERT_EQUAL_UINT32(5U + ELMOPP_NODE_MAX + ELMOPP_APPROACH_MAX + feedback, let_through);
+    TEST_ASSERT_EQUAL_UINT32(5U + ELMOPP_NODE_MAX + (2U * ELMOPP_APPROACH_MAX) + feedback,
+                             let_through); /* cameras, neighbours */
 }
 
 static void one_bus_off(uint32_t now_ms) {
