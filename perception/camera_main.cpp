@@ -196,7 +196,7 @@ class CameraProgram {
     }
 
     void draw(const Frame &frame) {
-        if (overlay_) {
+        if (overlay_ && overlay_->wants(frame.t_s)) {
             cv::Mat picture = frame.bgr.clone();
             counter_.draw(picture, last_);
             overlay_->add(picture, frame.t_s);

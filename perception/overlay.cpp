@@ -32,6 +32,16 @@ Overlay::Overlay(std::string file) : file_(std::move(file)) {
     }
 }
 
+bool Overlay::wants(double t_s) {
+    constexpr double apart_s = 1.0 / 16.0;
+    constexpr double rounding_s = 1e-3;
+    if (video_ && wanted_s_ && t_s - *wanted_s_ < apart_s - rounding_s) {
+        return false;
+    }
+    wanted_s_ = t_s;
+    return true;
+}
+
 void Overlay::add(const cv::Mat &bgr, double t_s) {
     if (!video_) {
         last_ = bgr;

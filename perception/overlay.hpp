@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 
+#include <optional>
 #include <string>
 
 namespace elmopp {
@@ -16,6 +17,10 @@ class Overlay {
   public:
     /// Throws BadRequest on an ending that is neither .avi, .mp4, .png nor .jpg, or a folder that is not there.
     explicit Overlay(std::string file);
+
+    /// Whether the frame of this second of a source should be drawn and added: a video shows 16 a second at most, as
+    /// more would cost the counter a third of its frames and show a person nothing.
+    [[nodiscard]] bool wants(double t_s);
 
     void add(const cv::Mat &bgr, double t_s);
 
@@ -28,6 +33,7 @@ class Overlay {
     cv::VideoWriter writer_;
     cv::Mat last_;
     double before_s_ = 0.0;
+    std::optional<double> wanted_s_; ///< of the last frame that was wanted
 };
 
 } // namespace elmopp

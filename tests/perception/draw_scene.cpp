@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -63,6 +64,8 @@ Json truth_of(const Road &road, const std::string &name, double seconds, cv::Siz
             truth["crossings"].push_back({{"frame", frame_of(t_s)}, {"lane", file.lanes[lane].name}});
         }
     }
+    std::stable_sort(truth["crossings"].begin(), truth["crossings"].end(),
+                     [](const Json &one, const Json &other) { return one["frame"] < other["frame"]; });
     truth["lanes"] = Json::array();
     truth["totals"] = Json::object();
     truth["total"] = truth["crossings"].size();
