@@ -100,7 +100,7 @@ def test_the_overlay_is_a_video_or_a_picture(clips: Path, lanes: Path, tmp_path:
     assert Image.open(tmp_path / "o.png").size == (352, 264)
     again = camera("--source", tmp_path / "o.avi", "--lanes", lanes, "--jsonl", "-")  # decodes, and has the right size
     assert again.returncode == 0
-    assert json.loads(again.stdout.splitlines()[-1])["frame"] == 25  # every other one of the first two seconds', and one
+    assert json.loads(again.stdout.splitlines()[-1])["frame"] == 25  # every other one of two seconds', and one
 
 
 def cpu_s_of(video: Path, lanes: Path, folder: Path, *more: object) -> float:
