@@ -4,7 +4,6 @@
 #include "elmopp/elementary.h"
 
 #include <stdint.h>
-#include <string.h>
 
 /* ln 2 in two parts (Cody and Waite): the first has so few bits that n * LN2_HIGH is exact for |n| <= 128. */
 #define LN2_HIGH 0.693359375F
@@ -13,22 +12,10 @@
 #define EXPONENT_BIAS 127
 #define MANTISSA_BITS 23U
 
-static inline uint32_t bits_of(float x) {
-    uint32_t bits;
-    (void)memcpy(&bits, &x, sizeof bits);
-    return bits;
-}
-
-static inline float float_of(uint32_t bits) {
-    float x;
-    (void)memcpy(&x, &bits, sizeof x);
-    return x;
-}
-
 /* 2^n for a normal result: the exponent field is all there is. */
 static float power_of_two(int32_t n) {
     const int32_t exponent = n + EXPONENT_BIAS;
-    return float_of((uint32_t)exponent << MANTISSA_BITS);
+    return elmopp_float_of((uint32_t)exponent << MANTISSA_BITS);
 }
 
 float elmopp_exp(float x) {
@@ -95,7 +82,7 @@ void elmopp_sigmoid_each(float *value, uint32_t count) {
 /* Half the exponent, negated, in whole numbers, and two steps of Newton (the constant and its 0.2 % are folklore). */
 float elmopp_inverse_root(float x) {
     const float half = 0.5F * x;
-    float root = float_of(0x5F3759DFU - (bits_of(x) >> 1U));
+    float root = elmopp_float_of(0x5F3759DFU - (elmopp_bits_of(x) >> 1U));
     root = root * (1.5F - ((half * root) * root));
     return root * (1.5F - ((half * root) * root));
 }

@@ -52,40 +52,34 @@ static inline float elmopp_within(float value, float low, float high) {
     return (value > low) ? elmopp_lesser(value, high) : low;
 }
 
+/// The bits of a float, and the float of bits.
+static inline uint32_t elmopp_bits_of(float x) {
+    uint32_t bits;
+    (void)memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+static inline float elmopp_float_of(uint32_t bits) {
+    float x;
+    (void)memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
 /// The size of one number with the sign of another; a number held within +-limit (limit >= 0), a NaN taken as the limit
 /// with the NaN's sign; and the larger of two sizes (>= 0), a NaN larger than all. By bits, which of one sign are in
 /// their numbers' order: a comparison of floats may be a branch on a Cortex-M4.
 static inline float elmopp_with_sign(float size, float sign) {
-    uint32_t bits;
-    uint32_t sign_bits;
-    (void)memcpy(&bits, &size, sizeof bits);
-    (void)memcpy(&sign_bits, &sign, sizeof sign_bits);
-    bits = (bits & 0x7FFFFFFFU) | (sign_bits & 0x80000000U);
-    float result;
-    (void)memcpy(&result, &bits, sizeof result);
-    return result;
+    return elmopp_float_of((elmopp_bits_of(size) & 0x7FFFFFFFU) | (elmopp_bits_of(sign) & 0x80000000U));
 }
 static inline float elmopp_bounded(float x, float limit) {
-    uint32_t bits;
-    uint32_t limit_bits;
-    (void)memcpy(&bits, &x, sizeof bits);
-    (void)memcpy(&limit_bits, &limit, sizeof limit_bits);
+    const uint32_t bits = elmopp_bits_of(x);
+    const uint32_t limit_bits = elmopp_bits_of(limit);
     const uint32_t size = bits & 0x7FFFFFFFU;
-    bits = (bits & 0x80000000U) | ((size < limit_bits) ? size : limit_bits);
-    float result;
-    (void)memcpy(&result, &bits, sizeof result);
-    return result;
+    return elmopp_float_of((bits & 0x80000000U) | ((size < limit_bits) ? size : limit_bits));
 }
-
 static inline float elmopp_larger(float one, float other) {
-    uint32_t one_bits;
-    uint32_t other_bits;
-    (void)memcpy(&one_bits, &one, sizeof one_bits);
-    (void)memcpy(&other_bits, &other, sizeof other_bits);
-    const uint32_t bits = (one_bits > other_bits) ? one_bits : other_bits;
-    float result;
-    (void)memcpy(&result, &bits, sizeof result);
-    return result;
+    const uint32_t one_bits = elmopp_bits_of(one);
+    const uint32_t other_bits = elmopp_bits_of(other);
+    return elmopp_float_of((one_bits > other_bits) ? one_bits : other_bits);
 }
 
 /// A running mean takes its `seen`-th value (from 1): weighted by 1 / min(seen, window), which is the exact average
