@@ -271,8 +271,8 @@ static void test_each_row_has_the_skill_of_the_nearer_account(void) {
     seen.arrivals_veh[1] = 1.0F;
     set_queues(0.0F, 1.0F, 0.0F);
     (void)ask_in(0U, 50U);
-    const float near_veh = rollout.coming.arrived_veh[20][1] - rollout.coming.arrived_veh[19][1];
-    const float far_veh = rollout.coming.arrived_veh[21][1] - rollout.coming.arrived_veh[20][1];
+    const float near_veh = rollout.coming.arrived_veh[1][20] - rollout.coming.arrived_veh[1][19];
+    const float far_veh = rollout.coming.arrived_veh[1][21] - rollout.coming.arrived_veh[1][20];
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 1.25F, near_veh);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F, far_veh);
 }
@@ -560,6 +560,45 @@ static void test_the_same_counts_give_the_same_answers_and_bits(void) {
     }
 }
 
+/* Vehicles of a street; wilder counts hardly let two holds be the same future. */
+static void see_a_few(uint64_t *random) {
+    test_view_show(&seen, (elmopp_stage_t)random_below(random, junction.stage_count), 50U + random_below(random, 300U));
+    for (uint32_t j = 0U; j < junction.movement_count; j++) {
+        seen.queue_veh[j] = 0.5F * (float)random_below(random, 20U);
+        seen.arrivals_veh[j] = 0.1F * (float)random_below(random, 6U);
+    }
+}
+
+/* Each hold that is not played costs what the one before it cost: the best of three is the best of each alone. */
+static void test_a_hold_that_is_not_played_would_have_cost_the_same(void) {
+    static elmopp_rollout_t alone[ELMOPP_ROLLOUT_HOLD_MAX];
+    elmopp_chooser_t single[ELMOPP_ROLLOUT_HOLD_MAX];
+    uint64_t random = 11U;
+    uint32_t compared = 0U;
+    junction = elmopp_site_four_way;
+    options.rule_count = 1U;
+    start();
+    for (uint32_t h = 0U; h < ELMOPP_ROLLOUT_HOLD_MAX; h++) {
+        elmopp_rollout_options_t one = options;
+        one.hold_count = 1U;
+        one.hold_s[0] = options.hold_s[h];
+        single[h] = elmopp_rollout_init(&alone[h], &one);
+    }
+    for (uint32_t t = 0U; t < 200U; t++) {
+        see_a_few(&random);
+        const elmopp_stage_t shown = seen.view.stage;
+        float best = -INFINITY;
+        for (uint32_t h = 0U; h < ELMOPP_ROLLOUT_HOLD_MAX; h++) {
+            (void)test_view_ask(&seen, &single[h]);
+            best = fmaxf(best, seen.score[shown]);
+        }
+        (void)test_view_ask(&seen, &chooser);
+        TEST_ASSERT_EQUAL_MEMORY(&best, &seen.score[shown], sizeof best);
+        compared += (best < 0.0F) ? 1U : 0U;
+    }
+    TEST_ASSERT_GREATER_THAN_UINT32(150U, compared);
+}
+
 static void test_options_that_make_no_sense_are_a_bug(void) {
     const elmopp_rollout_options_t good = elmopp_rollout_defaults(8U);
     elmopp_rollout_options_t bad[16];
@@ -715,6 +754,7 @@ int main(void) {
     RUN_TEST(test_who_is_overdue_and_blocked_does_not_hold_his_green);
     RUN_TEST(test_a_junction_of_one_stage_keeps_it);
     RUN_TEST(test_whatever_is_counted_it_names_a_stage_and_finite_scores);
+    RUN_TEST(test_a_hold_that_is_not_played_would_have_cost_the_same);
     RUN_TEST(test_the_same_counts_give_the_same_answers_and_bits);
     RUN_TEST(test_options_that_make_no_sense_are_a_bug);
     RUN_TEST(test_who_gives_way_waits_for_the_queue_of_those_who_go_first);

@@ -78,50 +78,61 @@ void elmopp_coming_observe(elmopp_coming_t *self, const elmopp_sight_t *sight, c
     }
 }
 
-/* Who reaches the queue so long after the travel time: the mean, corrected by a row as far as it is believed. */
+/* Who reaches the edge of the reach in a later second: the mean, corrected by a row as far as it is believed. */
 static float foreseen(const elmopp_coming_t *self, const elmopp_view_t *view, uint32_t movement, uint32_t row) {
     const float expected_veh = self->expected_veh_per_s[movement];
-    if ((row >= view->foreseen_steps) || (row >= self->options.rows_s)) {
-        return expected_veh;
-    }
     const float said = view->share[movement] * said_veh(view, view->junction->movement[movement].approach, row);
     const float base_veh = self->options.weigh_skill ? expected_veh : 0.0F;
     const float weight = (row < NEAR_ROWS) ? self->near_weight : self->far_weight;
     return base_veh + (weight * (said - base_veh));
 }
 
+/* Who is hidden behind a full reach and comes in a second in which so many come anyway. */
+static float shown_veh(const elmopp_sight_t *sight, uint32_t movement, float came_veh, float hidden_veh) {
+    return elmopp_lesser(elmopp_greater(sight->site_veh_per_s[movement] - came_veh, 0.0F), hidden_veh);
+}
+
 static void sum_arrivals(elmopp_coming_t *self, const elmopp_sight_t *sight, const elmopp_view_t *view,
                          uint32_t movement) {
+    const uint32_t horizon_s = self->options.horizon_s;
     const uint32_t travel_s = sight->options.travel_s[movement];
+    const uint32_t rows_s = (view->foreseen_steps < self->options.rows_s) ? view->foreseen_steps : self->options.rows_s;
+    const float expected_veh = self->options.mean_weight * sight->mean_veh_per_s[movement];
+    float *arrived_veh = self->arrived_veh[movement];
     float hidden_veh = sight->hidden_veh[movement];
     float sum_veh = sight->queued_veh[movement];
-    self->expected_veh_per_s[movement] = self->options.mean_weight * sight->mean_veh_per_s[movement];
-    self->arrived_veh[0][movement] = sum_veh;
-    for (uint32_t k = 0U; k < self->options.horizon_s; k++) {
-        float came_veh;
-        if (k < travel_s) {
-            came_veh = sight->due_veh[movement][k];
-        } else {
-            came_veh = foreseen(self, view, movement, k - travel_s);
-            const float room_veh = elmopp_greater(sight->site_veh_per_s[movement] - came_veh, 0.0F);
-            const float shown_veh = elmopp_lesser(room_veh, hidden_veh);
-            hidden_veh -= shown_veh;
-            came_veh += shown_veh;
-        }
-        sum_veh += came_veh;
-        self->arrived_veh[k + 1U][movement] = sum_veh;
+    self->expected_veh_per_s[movement] = expected_veh;
+    arrived_veh[0] = sum_veh;
+    for (uint32_t k = 0U; (k < travel_s) && (k < horizon_s); k++) {
+        sum_veh += sight->due_veh[movement][k];
+        arrived_veh[k + 1U] = sum_veh;
+    }
+    uint32_t k = travel_s;
+    while ((k < horizon_s) && ((k < (travel_s + rows_s)) || (hidden_veh > 0.0F))) {
+        const uint32_t row = k - travel_s;
+        const float came_veh = (row < rows_s) ? foreseen(self, view, movement, row) : expected_veh;
+        const float late_veh = shown_veh(sight, movement, came_veh, hidden_veh);
+        hidden_veh -= late_veh;
+        sum_veh += came_veh + late_veh;
+        k++;
+        arrived_veh[k] = sum_veh;
+    }
+    self->even_step = (k > self->even_step) ? k : self->even_step;
+    for (; k < horizon_s; k++) {
+        sum_veh += expected_veh;
+        arrived_veh[k + 1U] = sum_veh;
     }
 }
 
 void elmopp_coming_expect(elmopp_coming_t *self, const elmopp_sight_t *sight, const elmopp_view_t *view) {
+    self->even_step = 0U;
+    for (uint32_t k = 0U; k <= self->options.horizon_s; k++) {
+        self->arrived_sum_veh[k] = 0.0F;
+    }
     for (uint32_t j = 0U; j < view->junction->movement_count; j++) {
         sum_arrivals(self, sight, view, j);
-    }
-    for (uint32_t k = 0U; k <= self->options.horizon_s; k++) {
-        float sum_veh = 0.0F;
-        for (uint32_t j = 0U; j < view->junction->movement_count; j++) {
-            sum_veh += self->arrived_veh[k][j];
+        for (uint32_t k = 0U; k <= self->options.horizon_s; k++) {
+            self->arrived_sum_veh[k] += self->arrived_veh[j][k];
         }
-        self->arrived_sum_veh[k] = sum_veh;
     }
 }

@@ -6,11 +6,12 @@
 #include "elmopp/assert.h"
 #include "elmopp/elementary.h"
 
-#include <string.h>
-
 #define DS_PER_S 10.0F
 #define GAP_WINDOW_S 5U  /* a gap is looked for so far ahead: the critical one, in whole seconds */
 #define NOBODY_VEH 0.01F /* for the rule: less is rounding, and must not call for a change */
+#define SLOW_PART                                                                                                      \
+    0.25F /* of its flow squared, what the pressure of a short queue is below queue times flow at most                 \
+           */
 
 /* --- the junction, once --- */
 
@@ -54,8 +55,10 @@ void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *op
                         const elmopp_coming_t *coming) {
     ELMOPP_ASSERT(elmopp_future_is_sound(options));
     *self = (elmopp_future_t){.options = *options, .junction = sight->junction, .sight = sight, .coming = coming};
+    self->learnt = self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         list_foes(self, j);
+        self->startup_s_of[j] = (float)self->junction->movement[j].startup_ds / DS_PER_S;
     }
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
         list_served(self, s);
@@ -67,152 +70,215 @@ void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *op
 
 /* --- a decision --- */
 
-/* The most that arrivals of the second before `step` can add to half the pressure of any stage. */
-static float most_coming(const elmopp_future_t *self, uint32_t step) {
-    const float *now_veh = self->coming->arrived_veh[step];
-    const float *before_veh = self->coming->arrived_veh[step - 1U];
-    const uint32_t stages = self->junction->stage_count;
-    float most = 0.0F;
-    for (uint32_t s = 0U; s < stages; s++) {
-        const uint8_t *served = self->served[s];
-        const uint32_t count = self->served_count[s];
-        const float *flow = self->sight->flow_veh_per_s[s];
-        float sum = 0.0F;
-        for (uint32_t i = 0U; i < count; i++) {
-            sum += flow[served[i]] * (now_veh[served[i]] - before_veh[served[i]]);
-        }
-        most = elmopp_greater(sum, most);
+/* What the arrivals of the second before `step` add to queues times flow in a stage. */
+static float coming_to(const elmopp_future_t *self, uint32_t stage, uint32_t step) {
+    const uint8_t *served = self->served[stage];
+    const uint32_t count = self->served_count[stage];
+    const float *flow = self->sight->flow_veh_per_s[stage];
+    float sum = 0.0F;
+    for (uint32_t i = 0U; i < count; i++) {
+        const float *arrived_veh = self->coming->arrived_veh[served[i]];
+        sum += flow[served[i]] * (arrived_veh[step] - arrived_veh[step - 1U]);
     }
-    return most;
+    return sum;
+}
+
+/* What a second's departures take from queues times flow in a stage. */
+static float square_of(const elmopp_future_t *self, uint32_t stage) {
+    const float *flow = self->sight->flow_veh_per_s[stage];
+    float sum = 0.0F;
+    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
+        const uint32_t j = self->served[stage][i];
+        sum += flow[j] * flow[j];
+    }
+    return sum;
+}
+
+/* What arrivals add to queues times flow until each step, in no stage more, and in a second of each stage at least. */
+static void expect(elmopp_future_t *self) {
+    const uint32_t stages = self->junction->stage_count;
+    const uint32_t horizon_s = self->coming->options.horizon_s;
+    for (uint32_t s = 0U; s < stages; s++) {
+        self->square[s] = square_of(self, s);
+        self->calm[s] = coming_to(self, s, 1U);
+    }
+    self->come[0] = 0.0F;
+    self->rush = 0.0F;
+    float most = 0.0F;
+    for (uint32_t k = 1U; k <= horizon_s; k++) {
+        /* Later as many come as in the second before, but for roundings. */
+        if (k <= (self->coming->even_step + 1U)) {
+            most = 0.0F;
+            for (uint32_t s = 0U; s < stages; s++) {
+                const float more = coming_to(self, s, k);
+                most = elmopp_greater(more, most);
+                self->calm[s] = elmopp_lesser(more, self->calm[s]);
+            }
+        }
+        self->come[k] = self->come[k - 1U] + most;
+        self->rush = elmopp_greater(most, self->rush);
+    }
 }
 
 void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t elapsed_s) {
     self->present = shown;
     self->present_s = elapsed_s;
+    self->present_blocked = false;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
         const float flow = self->sight->flow_veh_per_s[shown][j];
         const bool blocked = elmopp_sight_is_blocked(self->sight, j);
+        self->present_blocked = self->present_blocked || blocked;
         self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
     }
-    self->come[0] = 0.0F;
-    for (uint32_t k = 1U; k <= self->coming->options.horizon_s; k++) {
-        self->come[k] = self->come[k - 1U] + most_coming(self, k);
-    }
+    expect(self);
 }
 
 /* --- one future --- */
 
-static bool is_flow_learnt(const elmopp_future_t *self) {
-    return self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
-}
-
 /* Flow of a movement that is green: as learnt, or by the law of the junction's profile. */
 static float flow_of(const elmopp_future_t *self, const float *flow_veh_per_s, uint32_t movement, float queue_veh) {
-    return is_flow_learnt(self) ? flow_veh_per_s[movement]
-                                : elmopp_junction_discharge(self->junction, movement, queue_veh);
+    return self->learnt ? flow_veh_per_s[movement] : elmopp_junction_discharge(self->junction, movement, queue_veh);
 }
 
 /* Queue of a movement before second `step`. */
 static float standing(const elmopp_future_t *self, uint32_t step, uint32_t movement) {
-    return elmopp_greater(self->coming->arrived_veh[step][movement] - self->left_veh[movement], 0.0F);
+    return elmopp_greater(self->coming->arrived_veh[movement][step] - self->left_veh[movement], 0.0F);
 }
 
-/* Queue times flow, summed over a stage. The first loop is where most of a decision's time goes. */
-static float pressure_of(const elmopp_future_t *self, uint32_t stage, const float *flow, const float *queue_veh) {
-    const uint8_t *served = self->served[stage];
-    const uint32_t count = self->served_count[stage];
+static uint32_t elapsed_s(const elmopp_future_t *self, uint32_t step) {
+    return (step - self->shown_step) + self->shown_s;
+}
+
+/* --- the reactive rule --- */
+
+/* The queue of a movement before second `step`, as the rule sees it. */
+static inline float seen_veh(float arrived_veh, float left_veh) {
+    const float standing_veh = arrived_veh - left_veh;
+    return (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
+}
+
+static float pressure_by_law(const elmopp_future_t *self, uint32_t stage, uint32_t step) {
     float sum = 0.0F;
-    if (is_flow_learnt(self)) {
-        for (uint32_t i = 0U; i < count; i++) {
-            const float veh = queue_veh[served[i]];
-            sum += veh * elmopp_lesser(flow[served[i]], veh);
-        }
-    } else {
-        for (uint32_t i = 0U; i < count; i++) {
-            const float veh = queue_veh[served[i]];
-            sum += veh * elmopp_lesser(elmopp_junction_discharge(self->junction, served[i], veh), veh);
-        }
+    for (uint32_t i = 0U; i < self->served_count[stage]; i++) {
+        const uint32_t j = self->served[stage][i];
+        const float queue_veh = seen_veh(self->coming->arrived_veh[j][step], self->left_veh[j]);
+        sum += queue_veh * elmopp_lesser(elmopp_junction_discharge(self->junction, j, queue_veh), queue_veh);
     }
     return sum;
 }
 
-/* The stage with the greatest pressure in second `step`, and what that is. */
-static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step) {
-    float queue_veh[ELMOPP_MOVEMENT_MAX];
-    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const float standing_veh = self->coming->arrived_veh[step][j] - self->left_veh[j];
-        queue_veh[j] = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
+/* Queue times flow in second `step`, summed over a stage. */
+static float pressure_of(const elmopp_future_t *self, uint32_t stage, const float *flow_veh_per_s, uint32_t step) {
+    if (!self->learnt) {
+        return pressure_by_law(self, stage, step);
     }
-    float greatest = 0.0F;
-    elmopp_stage_t best = self->shown;
-    for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        const float *flow = (s == self->shown) ? self->flow_veh_per_s : self->sight->flow_veh_per_s[s];
-        const float sum = pressure_of(self, s, flow, queue_veh);
-        if (sum > greatest) {
-            best = (elmopp_stage_t)s;
-            greatest = sum;
-        }
-    }
-    self->greatest = greatest;
-    self->greatest_step = step;
-    return best;
-}
-
-/* No stage presses more in second `step`, as long as the stage shown is the same: since the last look queues have grown
-   by arrivals alone, and a vehicle more is a pressure more of twice its flow at most. The rest is more than all
-   roundings. */
-static float most_possible(const elmopp_future_t *self, uint32_t step) {
-    const float come = self->come[step] - self->come[self->greatest_step];
-    return (1.001F * self->greatest) + (2.001F * come) + (1.0e-5F * self->come[step]) + 0.01F;
-}
-
-/* Pressure of the stage shown. What the loop needs is read before it: no compiler knows that a call leaves it alone. */
-static float own_pressure(const elmopp_future_t *self, uint32_t step) {
-    const uint8_t *served = self->served[self->shown];
-    const uint32_t count = self->served_count[self->shown];
-    const float *arrived_veh = self->coming->arrived_veh[step];
+    const float (*arrived_veh)[ELMOPP_HORIZON_MAX + 1U] = self->coming->arrived_veh;
     const float *left_veh = self->left_veh;
-    const float *flow_veh_per_s = self->flow_veh_per_s;
-    const bool learnt = is_flow_learnt(self);
+    const uint8_t *served = self->served[stage];
+    const uint8_t *const end = &served[self->served_count[stage]];
     float sum = 0.0F;
-    for (uint32_t i = 0U; i < count; i++) {
-        const uint32_t j = served[i];
-        const float standing_veh = arrived_veh[j] - left_veh[j];
-        const float queue_veh = (standing_veh >= NOBODY_VEH) ? standing_veh : 0.0F;
-        const float flow = learnt ? flow_veh_per_s[j] : elmopp_junction_discharge(self->junction, j, queue_veh);
-        sum += queue_veh * elmopp_lesser(flow, queue_veh);
+    while (served != end) {
+        const uint32_t j = *served;
+        const float queue_veh = seen_veh(arrived_veh[j][step], left_veh[j]);
+        sum += queue_veh * elmopp_lesser(flow_veh_per_s[j], queue_veh);
+        served++;
     }
     return sum;
 }
 
-/* The reactive rule: the stage that it wants shown in second `step`. It looks at the other stages only when one could
-   press enough. */
+/* What a pressure can have grown by since the last look, but for 1.001 times itself: queues have grown by arrivals
+   alone. What is below a second's flow grows faster at first, which `pressed` has. The rest is more than all roundings.
+ */
+static float growth(const elmopp_future_t *self, uint32_t step) {
+    return (1.001F * (self->come[step] - self->come[self->look_step])) + (1.0e-5F * self->come[step]) + 0.05F;
+}
+
+/* No other stage than the one shown presses more in second `step`. */
+static float most_possible(const elmopp_future_t *self, uint32_t step) {
+    return (1.001F * self->others_pressed) + growth(self, step);
+}
+
+/* The stage with the greatest pressure in second `step`, the stage shown if none presses more than `enough`. Those that
+   cannot are reckoned with and not looked at. */
+static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step, float enough) {
+    const float grown = growth(self, step);
+    const uint32_t shown = self->shown;
+    const uint32_t stages = self->junction->stage_count;
+    const bool looked = self->looked;
+    uint32_t best = shown;
+    float greatest = enough;
+    float others = 0.0F;
+    for (uint32_t s = 0U; s < stages; s++) {
+        float possible = (1.001F * self->pressed[s]) + grown;
+        if ((!looked) || (possible > greatest)) {
+            const float *flow = (s == shown) ? self->flow_veh_per_s : self->sight->flow_veh_per_s[s];
+            const float sum = pressure_of(self, s, flow, step);
+            possible = sum + (SLOW_PART * self->square[s]);
+            best = (sum > greatest) ? s : best;
+            greatest = elmopp_greater(sum, greatest);
+        }
+        self->pressed[s] = possible;
+        others = (s != shown) ? elmopp_greater(possible, others) : others;
+    }
+    self->others_pressed = others;
+    self->look_step = step;
+    self->looked = self->learnt;
+    return (elmopp_stage_t)best;
+}
+
+/* For so many seconds after this one the rule keeps the stage shown, whatever is played: nobody can press enough,
+   although the own queues leave as fast as they can and the others grow as fast. Again less than all roundings. */
+static uint32_t quiet_s(const elmopp_future_t *self, float ratio, uint32_t step, float own) {
+    if (!self->looked) {
+        return 0U;
+    }
+    const float square = self->square[self->shown];
+    const float least = (0.999F * own) - (SLOW_PART * square) - 0.01F;
+    const bool blocked = self->flow_veh_per_s == self->present_flow_veh_per_s; /* `calm` is of the usual flows */
+    const float falling = blocked ? square : elmopp_greater(square - self->calm[self->shown], 0.0F);
+    const float spare = (ratio * least) - most_possible(self, step);
+    const float per_s = (1.001F * ratio * falling) + (1.002F * self->rush) + 0.001F;
+    return (uint32_t)elmopp_within(spare / per_s, 0.0F, (float)ELMOPP_HORIZON_MAX);
+}
+
+/* The stage that the rule wants shown in second `step`, and until when it need not be asked again. It looks at the
+   other stages only when one could press enough. */
 static elmopp_stage_t react(elmopp_future_t *self, float ratio, uint32_t step) {
-    if (self->elapsed_s < self->options.min_s) {
+    const uint32_t since_s = elapsed_s(self, step);
+    if (since_s < self->options.min_s) {
+        self->ask_step = step + (self->options.min_s - since_s);
         return self->shown;
     }
-    const bool late = self->elapsed_s >= self->options.max_s;
-    const float enough = ratio * own_pressure(self, step);
-    if ((!late) && self->looked && (most_possible(self, step) <= enough)) {
-        return self->shown;
+    const bool late = since_s >= self->options.max_s;
+    const float own = pressure_of(self, self->shown, self->flow_veh_per_s, step);
+    const float enough = ratio * own;
+    elmopp_stage_t wanted = self->shown;
+    if (late || (!self->looked) || (most_possible(self, step) > enough)) {
+        wanted = press_most(self, step, late ? 0.0F : enough);
     }
-    const elmopp_stage_t best = press_most(self, step);
-    self->looked = is_flow_learnt(self);
-    return (late || (self->greatest > enough)) ? best : self->shown;
+    const uint32_t quiet = late ? 0U : quiet_s(self, ratio, step, own);
+    const uint32_t left_s = late ? 1U : (self->options.max_s - since_s);
+    self->ask_step = step + ((quiet < left_s) ? (quiet + 1U) : left_s);
+    return wanted;
 }
 
 static elmopp_stage_t wish(elmopp_future_t *self, const elmopp_future_action_t *action, uint32_t step) {
     if (step == 0U) {
+        self->ask_step = (action->hold_s > 0U) ? action->hold_s : 1U;
         return action->first;
     }
-    return (step >= action->hold_s) ? react(self, action->ratio, step) : self->shown;
+    return react(self, action->ratio, step);
 }
 
-static void begin_change(elmopp_future_t *self, elmopp_stage_t wanted) {
+/* --- changes --- */
+
+static void begin_change(elmopp_future_t *self, elmopp_stage_t wanted, uint32_t step) {
     if (wanted != self->shown) {
         self->target = wanted;
-        self->changing_s = self->change_s[self->shown][wanted];
-        self->remaining_s = self->changing_s;
+        self->change_step = step;
+        self->left_step = (step < self->left_step) ? step : self->left_step;
+        self->ready_step = step + self->change_s[self->shown][wanted];
+        self->open_until = step;
     }
 }
 
@@ -222,7 +288,17 @@ static float unhindered(const elmopp_future_t *self, uint32_t movement) {
     return (float)self->junction->movement[movement].lanes * ((1.0F - share) / share);
 }
 
-static void show_target(elmopp_future_t *self) {
+/* What the other stages press at most, as the last look has it. */
+static float others_pressed(const elmopp_future_t *self, uint32_t shown) {
+    const uint32_t stages = self->junction->stage_count;
+    float most = 0.0F;
+    for (uint32_t s = 0U; s < stages; s++) {
+        most = (s != shown) ? elmopp_greater(self->pressed[s], most) : most;
+    }
+    return most;
+}
+
+static void show_target(elmopp_future_t *self, uint32_t step) {
     const elmopp_stage_t target = self->target;
     const uint32_t yields = self->sight->yields[target];
     for (uint32_t i = 0U; i < self->served_count[target]; i++) {
@@ -232,14 +308,21 @@ static void show_target(elmopp_future_t *self) {
             const bool begins = elmopp_mask_has(yields, j) && (!stays);
             self->unhindered_veh[j] = begins ? unhindered(self, j) : 0.0F;
         }
-        self->startup_s[j] = stays ? 0.0F : ((float)self->junction->movement[j].startup_ds / DS_PER_S);
+        self->startup_s[j] = stays ? 0.0F : self->startup_s_of[j];
     }
+    /* A queue that is no longer blocked presses more than the last look has seen. */
+    self->looked = self->looked && (self->flow_veh_per_s != self->present_flow_veh_per_s);
     self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
     self->shown = target;
-    self->looked = false;
+    self->shown_step = step;
+    self->shown_s = 0U;
+    self->others_pressed = others_pressed(self, target);
     self->target = ELMOPP_STAGE_NONE;
-    self->elapsed_s = 0U;
+    self->ask_step = step + 1U;
+    self->open_until = step;
 }
+
+/* --- departures --- */
 
 /* Flow of a movement of the stage shown, of which `amber_share` is left if the movement ends. */
 static float open_flow(const elmopp_future_t *self, uint32_t movement, float queue_veh, float amber_share) {
@@ -258,7 +341,7 @@ static float coming(const elmopp_future_t *self, uint32_t step, uint32_t movemen
     const uint32_t horizon_s = self->coming->options.horizon_s;
     const uint32_t until = (ends < horizon_s) ? ends : horizon_s;
     const uint32_t span_s = until - step;
-    return (self->coming->arrived_veh[until][movement] - self->coming->arrived_veh[step][movement]) / (float)span_s;
+    return (self->coming->arrived_veh[movement][until] - self->coming->arrived_veh[movement][step]) / (float)span_s;
 }
 
 /* What is left of a flow of a movement that gives way: nothing while a queue of those who go first stands. A queue that
@@ -274,62 +357,100 @@ static float flow_through_gaps(const elmopp_future_t *self, uint32_t step, uint3
     for (uint32_t i = 0U; i < self->foe_count[movement]; i++) {
         const uint32_t f = self->foe[movement][i];
         if (elmopp_mask_has(serves, f)) {
-            const float left_veh = self->coming->arrived_veh[step][f] - self->left_before_veh[f];
             opposing += elmopp_sight_first_share(self->sight, self->shown, f) * coming(self, step, f);
-            queue_veh += elmopp_mask_has(yields, f) ? 0.0F : elmopp_greater(left_veh, 0.0F);
+            queue_veh += elmopp_mask_has(yields, f) ? 0.0F : standing(self, step, f);
         }
     }
     const float open = elmopp_greater(1.0F - queue_veh, 0.0F);
     return (open > 0.0F) ? (open * elmopp_sight_through(self->sight, movement, flow, opposing)) : 0.0F;
 }
 
-/* One second of departures. Who is seen to reach the line in this second may pass in it; without a reach he is counted
-   first, and goes in the next one at the earliest. */
-static void let_go(elmopp_future_t *self, uint32_t step) {
-    const uint32_t since_s = self->changing_s - self->remaining_s;
-    const float changing_s = (float)since_s;
-    const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
-    const uint8_t *served = self->served[self->shown];
-    const uint32_t count = self->served_count[self->shown];
-    const uint32_t yields = self->sight->yields[self->shown];
-    if (yields != 0U) {
-        (void)memcpy(self->left_before_veh, self->left_veh, sizeof self->left_veh);
+/* Of a movement in second `step`, by the queues that stand before anybody leaves. Who is seen to reach the line in this
+   second may pass in it; without a reach he is counted first, and goes in the next one at the earliest. */
+static void open_lane(elmopp_future_t *self, uint32_t step, uint32_t movement, float amber_share) {
+    const uint32_t ahead = (self->sight->options.travel_s[movement] > 0U) ? 1U : 0U;
+    const bool waits = elmopp_mask_has(self->sight->yields[self->shown], movement);
+    /* A flow that is learnt does not hang on the queue. */
+    const float queue_veh = (self->learnt && (!waits)) ? 0.0F : standing(self, step + ahead, movement);
+    float flow = open_flow(self, movement, queue_veh, amber_share);
+    if (waits) {
+        flow = flow_through_gaps(self, step, movement, flow);
     }
-    for (uint32_t i = 0U; i < count; i++) {
-        const uint32_t j = served[i];
-        const float lost_s = self->startup_s[j];
-        if (lost_s >= 1.0F) {
-            self->startup_s[j] = lost_s - 1.0F;
-        } else {
-            const uint32_t there = step + ((self->sight->options.travel_s[j] > 0U) ? 1U : 0U);
-            const float queue_veh = standing(self, there, j);
-            const float open = open_flow(self, j, queue_veh, amber_share);
-            const bool waits = (yields != 0U) && elmopp_mask_has(yields, j);
-            const float flow = waits ? flow_through_gaps(self, step, j, open) : open;
-            const float leaving_veh = elmopp_lesser(flow * (1.0F - lost_s), queue_veh);
-            self->startup_s[j] = 0.0F;
-            self->left_veh[j] += leaving_veh;
-            self->left_sum_veh += leaving_veh;
-            if (waits) {
-                self->unhindered_veh[j] -= leaving_veh;
-            }
-        }
+    flow *= 1.0F - self->startup_s[movement];
+    self->startup_s[movement] = 0.0F;
+    if (waits) {
+        self->unhindered_veh[movement] -= elmopp_lesser(flow, queue_veh);
+    }
+    if (flow > 0.0F) {
+        self->open[self->open_count] =
+            (elmopp_future_open_t){.flow_veh_per_s = flow,
+                                   .arrived_veh = &self->coming->arrived_veh[movement][ahead],
+                                   .left_veh = &self->left_veh[movement]};
+        self->open_count++;
     }
 }
 
-static void play_second(elmopp_future_t *self, const elmopp_future_action_t *action, uint32_t step) {
-    if (self->target == ELMOPP_STAGE_NONE) {
-        begin_change(self, wish(self, action, step));
+/* Lists who goes in second `step`, how fast, and until when that holds. */
+static void open_lanes(elmopp_future_t *self, uint32_t step) {
+    const bool changing = self->target != ELMOPP_STAGE_NONE;
+    const float changing_s = (float)(step - self->change_step);
+    const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
+    bool settled = self->learnt && (self->sight->yields[self->shown] == 0U) && ((!changing) || (amber_share <= 0.0F));
+    self->open_count = 0U;
+    for (uint32_t i = 0U; i < self->served_count[self->shown]; i++) {
+        const uint32_t j = self->served[self->shown][i];
+        const float lost_s = self->startup_s[j];
+        settled = settled && (lost_s <= 0.0F);
+        if (lost_s >= 1.0F) {
+            self->startup_s[j] = lost_s - 1.0F;
+        } else {
+            open_lane(self, step, j, amber_share);
+        }
     }
-    if ((self->target != ELMOPP_STAGE_NONE) && (self->remaining_s == 0U)) {
-        show_target(self);
+    self->open_until = settled ? self->coming->options.horizon_s : (step + 1U);
+}
+
+/* The seconds from `step` to `until`, in which nothing but queues changes. Nearly all of a decision's time goes into
+   the inner loop. */
+static void let_go(elmopp_future_t *self, uint32_t step, uint32_t until) {
+    const elmopp_future_open_t *const end = &self->open[self->open_count];
+    const float *arrived_sum_veh = &self->coming->arrived_sum_veh[1];
+    float left_sum_veh = self->left_sum_veh;
+    float cost = self->cost_veh_s;
+    for (uint32_t k = step; k < until; k++) {
+        for (const elmopp_future_open_t *open = self->open; open != end; open++) {
+            const float left_veh = *open->left_veh;
+            const float queue_veh = elmopp_greater(open->arrived_veh[k] - left_veh, 0.0F);
+            const float leaving_veh = elmopp_lesser(open->flow_veh_per_s, queue_veh);
+            *open->left_veh = left_veh + leaving_veh;
+            left_sum_veh += leaving_veh;
+        }
+        cost += elmopp_greater(arrived_sum_veh[k] - left_sum_veh, 0.0F);
     }
-    let_go(self, step);
-    if (self->target == ELMOPP_STAGE_NONE) {
-        self->elapsed_s++;
-    } else {
-        self->remaining_s--;
+    self->left_sum_veh = left_sum_veh;
+    self->cost_veh_s = cost;
+}
+
+/* --- the whole --- */
+
+/* Plays second `step` and those after it in which the rule has nothing to say and nobody's flow changes. Returns the
+   next one. */
+static uint32_t play(elmopp_future_t *self, const elmopp_future_action_t *action, uint32_t step) {
+    if ((self->target == ELMOPP_STAGE_NONE) && (step >= self->ask_step)) {
+        begin_change(self, wish(self, action, step), step);
     }
+    if ((self->target != ELMOPP_STAGE_NONE) && (step >= self->ready_step)) {
+        show_target(self, step);
+    }
+    if (step >= self->open_until) {
+        open_lanes(self, step);
+    }
+    const uint32_t event = (self->target == ELMOPP_STAGE_NONE) ? self->ask_step : self->ready_step;
+    const uint32_t until = (event < self->open_until) ? event : self->open_until;
+    const uint32_t horizon_s = self->coming->options.horizon_s;
+    const uint32_t next = (until < horizon_s) ? until : horizon_s;
+    let_go(self, step, next);
+    return next;
 }
 
 /* What is left at the horizon, cleared movement by movement and at once: x at flow s takes x / s, the mean x / 2. Who
@@ -345,14 +466,18 @@ static float cost_of_rest(const elmopp_future_t *self, uint32_t horizon_s) {
 }
 
 static void start(elmopp_future_t *self) {
-    self->flow_veh_per_s = self->present_flow_veh_per_s;
+    self->flow_veh_per_s =
+        self->present_blocked ? self->present_flow_veh_per_s : self->sight->flow_veh_per_s[self->present];
     self->left_sum_veh = 0.0F;
+    self->cost_veh_s = 0.0F;
     self->looked = false;
-    self->elapsed_s = self->present_s;
-    self->changing_s = 0U;
-    self->remaining_s = 0U;
     self->shown = self->present;
+    self->shown_step = 0U;
+    self->shown_s = self->present_s;
     self->target = ELMOPP_STAGE_NONE;
+    self->left_step = self->coming->options.horizon_s;
+    self->ask_step = 0U;
+    self->open_until = 0U;
     for (uint32_t j = 0U; j < ELMOPP_MOVEMENT_MAX; j++) {
         self->left_veh[j] = 0.0F;
         self->startup_s[j] = 0.0F;
@@ -363,10 +488,9 @@ static void start(elmopp_future_t *self) {
 float elmopp_future_cost(elmopp_future_t *self, const elmopp_future_action_t *action) {
     const uint32_t horizon_s = self->coming->options.horizon_s;
     start(self);
-    float cost = 0.0F;
-    for (uint32_t k = 0U; k < horizon_s; k++) {
-        play_second(self, action, k);
-        cost += elmopp_greater(self->coming->arrived_sum_veh[k + 1U] - self->left_sum_veh, 0.0F);
+    uint32_t step = 0U;
+    while (step < horizon_s) {
+        step = play(self, action, step);
     }
-    return cost + cost_of_rest(self, horizon_s);
+    return self->cost_veh_s + cost_of_rest(self, horizon_s);
 }

@@ -33,13 +33,14 @@ typedef struct {
     float veh_s[ELMOPP_ROLLOUT_RULE_MAX];
 } costs_t;
 
-static void play(elmopp_rollout_t *self, elmopp_stage_t first, uint16_t hold_s, costs_t *costs) {
+static float play_one(elmopp_rollout_t *self, elmopp_stage_t first, uint16_t hold_s, float ratio) {
+    const elmopp_future_action_t action = {.first = first, .hold_s = hold_s, .ratio = ratio};
+    return elmopp_future_cost(&self->future, &action);
+}
+
+static void change(elmopp_rollout_t *self, elmopp_stage_t other, costs_t *changed) {
     for (uint32_t r = 0U; r < ELMOPP_ROLLOUT_RULE_MAX; r++) {
-        costs->veh_s[r] = 0.0F;
-    }
-    for (uint32_t r = 0U; r < self->options.rule_count; r++) {
-        const elmopp_future_action_t action = {.first = first, .hold_s = hold_s, .ratio = self->options.ratio[r]};
-        costs->veh_s[r] = elmopp_future_cost(&self->future, &action);
+        changed->veh_s[r] = (r < self->options.rule_count) ? play_one(self, other, 0U, self->options.ratio[r]) : 0.0F;
     }
 }
 
@@ -51,15 +52,24 @@ static float mean_of(const elmopp_rollout_t *self, const costs_t *costs) {
     return sum / (float)self->options.rule_count;
 }
 
-/* The stage shown, each rule with the time that suits it best. */
-static void keep(elmopp_rollout_t *self, elmopp_stage_t shown, costs_t *kept) {
-    play(self, shown, self->options.hold_s[0], kept);
+/* The stage shown, under one rule with the time that suits it best. Who would have kept it for so long anyway plays no
+   other future. */
+static float keep_under(elmopp_rollout_t *self, elmopp_stage_t shown, float ratio) {
+    uint16_t played_s = self->options.hold_s[0];
+    float best = play_one(self, shown, played_s, ratio);
     for (uint32_t h = 1U; h < self->options.hold_count; h++) {
-        costs_t costs;
-        play(self, shown, self->options.hold_s[h], &costs);
-        for (uint32_t r = 0U; r < self->options.rule_count; r++) {
-            kept->veh_s[r] = elmopp_lesser(kept->veh_s[r], costs.veh_s[r]);
+        const uint16_t hold_s = self->options.hold_s[h];
+        if ((hold_s < played_s) || (hold_s > self->future.left_step)) {
+            best = elmopp_lesser(best, play_one(self, shown, hold_s, ratio));
+            played_s = hold_s;
         }
+    }
+    return best;
+}
+
+static void keep(elmopp_rollout_t *self, elmopp_stage_t shown, costs_t *kept) {
+    for (uint32_t r = 0U; r < ELMOPP_ROLLOUT_RULE_MAX; r++) {
+        kept->veh_s[r] = (r < self->options.rule_count) ? keep_under(self, shown, self->options.ratio[r]) : 0.0F;
     }
 }
 
@@ -165,7 +175,7 @@ static elmopp_stage_t best_of_others(elmopp_rollout_t *self, elmopp_stage_t show
     elmopp_stage_t other = next_other(self, shown, tried);
     for (uint32_t n = 0U; (n < self->options.others_max) && (other != ELMOPP_STAGE_NONE); n++) {
         costs_t changed;
-        play(self, other, 0U, &changed);
+        change(self, other, &changed);
         const float doubt = (kept != NULL) ? doubt_of(self, kept, &changed) : 0.0F;
         score[other] = -(mean_of(self, &changed) + doubt);
         best = ((best == ELMOPP_STAGE_NONE) || (score[other] > score[best])) ? other : best;

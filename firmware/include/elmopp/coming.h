@@ -40,8 +40,9 @@ typedef struct {
     float near_weight;                             ///< of the rows now, as far as the nearer account is nearer
     float far_weight;                              ///< ... and of those behind
     float expected_veh_per_s[ELMOPP_MOVEMENT_MAX]; ///< mean arrivals as they are weighted
-    float arrived_veh[ELMOPP_HORIZON_MAX + 1U][ELMOPP_MOVEMENT_MAX]; ///< [step] the queue and who comes before it
+    float arrived_veh[ELMOPP_MOVEMENT_MAX][ELMOPP_HORIZON_MAX + 1U]; ///< [][step] the queue and who comes before it
     float arrived_sum_veh[ELMOPP_HORIZON_MAX + 1U];                  ///< ... of all movements
+    uint32_t even_step; ///< from then on as many come in every second as are expected in the mean
 } elmopp_coming_t;
 
 /// Nothing has been said yet. Asserts what the options' comments say.

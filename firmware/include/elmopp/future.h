@@ -47,6 +47,13 @@ typedef struct {
     float ratio;     ///< how much more another stage must press for the rule
 } elmopp_future_action_t;
 
+/// A movement that goes.
+typedef struct {
+    float flow_veh_per_s;
+    const float *arrived_veh; ///< [step] of coming.h; one later where who reaches the line in a second may pass in it
+    float *left_veh;
+} elmopp_future_open_t;
+
 /// State. Set up by elmopp_future_init(); read `served`, write nothing.
 typedef struct {
     elmopp_future_options_t options;
@@ -56,27 +63,40 @@ typedef struct {
     uint8_t served_count[ELMOPP_STAGE_MAX];                ///< movements that a stage lets go ...
     uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX]; ///< ... and which
     uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX]; ///< [from][to] intergreen in whole seconds
+    bool learnt;                                           ///< flows are those of sight.h, else the junction's law
+    float startup_s_of[ELMOPP_MOVEMENT_MAX];               ///< of a movement that begins
     uint8_t foe_count[ELMOPP_MOVEMENT_MAX];                ///< movements to which one gives way where they go ...
     uint8_t foe[ELMOPP_MOVEMENT_MAX][ELMOPP_MOVEMENT_MAX]; ///< ... and which
-    float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];     ///< in the stage shown now, less where blocked
     elmopp_stage_t present;                                ///< the stage shown now ...
-    float come[ELMOPP_HORIZON_MAX + 1U]; ///< what arrivals before a step add to half a pressure at most
-    uint32_t present_s;                  ///< ... and for how long
+    uint32_t present_s;                                    ///< ... for how long ...
+    bool present_blocked;                                  ///< ... with a movement that is blocked ...
+    float present_flow_veh_per_s[ELMOPP_MOVEMENT_MAX];     ///< ... and its flows then
+    float square[ELMOPP_STAGE_MAX];      ///< flows squared, summed: what a second takes from queues times flow
+    float calm[ELMOPP_STAGE_MAX];        ///< ... and what arrivals add to it at least
+    float come[ELMOPP_HORIZON_MAX + 1U]; ///< what arrivals before a step add to a long queue's pressure ...
+    float rush;                          ///< ... and in the dearest second
     /* The one that is played. */
-    const float *flow_veh_per_s;                ///< [movement] in the stage shown
-    float left_veh[ELMOPP_MOVEMENT_MAX];        ///< departures until now
-    float left_before_veh[ELMOPP_MOVEMENT_MAX]; ///< ... until this second, where somebody gives way
-    float startup_s[ELMOPP_MOVEMENT_MAX];       ///< of the start-up, still to come
-    float unhindered_veh[ELMOPP_MOVEMENT_MAX];  ///< may go before the first who gives way
-    float left_sum_veh;                         ///< all departures
-    float greatest;                             ///< pressure of any stage when the rule last looked at all of them ...
-    uint32_t greatest_step;                     ///< ... in this second
-    bool looked;                                ///< ... since the stage shown came
-    uint32_t elapsed_s;                         ///< of the stage shown
-    uint32_t changing_s;                        ///< the intergreen to the target
-    uint32_t remaining_s;                       ///< ... and what is left of it
-    elmopp_stage_t shown;                       ///< or being left
-    elmopp_stage_t target;                      ///< being brought up, ELMOPP_STAGE_NONE: none
+    const float *flow_veh_per_s;                    ///< [movement] in the stage shown
+    float left_veh[ELMOPP_MOVEMENT_MAX];            ///< departures until now
+    float startup_s[ELMOPP_MOVEMENT_MAX];           ///< of the start-up, still to come
+    float unhindered_veh[ELMOPP_MOVEMENT_MAX];      ///< may go before the first who gives way
+    float left_sum_veh;                             ///< all departures
+    float cost_veh_s;                               ///< all queues until now
+    float pressed[ELMOPP_STAGE_MAX];                ///< what no stage was above when the rule last looked ...
+    float others_pressed;                           ///< ... nor any other than the one shown ...
+    uint32_t look_step;                             ///< ... in this second
+    bool looked;                                    ///< ... and that it has
+    elmopp_stage_t shown;                           ///< or being left
+    uint32_t shown_step;                            ///< since when ...
+    uint32_t shown_s;                               ///< ... and for how long before that
+    elmopp_stage_t target;                          ///< being brought up, ELMOPP_STAGE_NONE: none
+    uint32_t change_step;                           ///< the intergreen to the target begins ...
+    uint32_t ready_step;                            ///< ... and has ended
+    uint32_t left_step;                             ///< the stage shown now is left, at the horizon at the latest
+    uint32_t ask_step;                              ///< the rule keeps the stage shown until then
+    uint32_t open_until;                            ///< so long does this list hold:
+    uint32_t open_count;                            ///< movements that go ...
+    elmopp_future_open_t open[ELMOPP_MOVEMENT_MAX]; ///< ... and how fast
 } elmopp_future_t;
 
 /// True if the options are what their comments say, with 1 <= min_s <= max_s.
@@ -91,7 +111,8 @@ void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *op
 /// of `coming` filled.
 void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t elapsed_s);
 
-/// Plays one. Returns V in vehicle-seconds.
+/// Plays one. Returns V in vehicle-seconds. `left_step` then says how long the stage shown now was kept: to hold it for
+/// longer than that action did, but not beyond, is the same future under the same ratio.
 float elmopp_future_cost(elmopp_future_t *self, const elmopp_future_action_t *action);
 
 #endif
