@@ -39,6 +39,7 @@ class Direct final : public Control {
         if (!elmopp_pilot_step(&pilot_, &counts, given ? &foreseen : nullptr)) {
             throw Failure("second " + std::to_string(t_s) + ": the pilot refused the counts");
         }
+        elmopp_pilot_look_on(&pilot_);
     }
 
     elmopp_lamps_t lamp_tick() override {

@@ -216,6 +216,7 @@ int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
     self->downstream_veh = *downstream_veh;
     const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall, outflow->data()};
     const bool believed = elmopp_pilot_step(&self->pilot, &counts, nullptr);
+    elmopp_pilot_look_on(&self->pilot);
     self->occupied = believed && ours.occupied != 0;
     return believed ? ELMOPP_DONE : ELMOPP_REFUSED;
 }

@@ -677,6 +677,22 @@ static void test_lamp_commands_come_every_tick_and_status_every_second_or_on_new
     TEST_ASSERT_TRUE(bench.status_frames <= (status + 16U));
 }
 
+/* A decision leaves the rest of the minute to the tick after it, which has the time. */
+static void test_forecasts_come_in_the_tick_after_the_decision_and_know_the_whole_minute(void) {
+    start();
+    uint32_t told = 0U;
+    for (uint32_t t = 0U; t < 100U; t++) {
+        const bool is_after = bench.controller.second_ds == 1U;
+        const uint32_t before = bench.forecast_frames;
+        bench_ticks(&bench, 1U);
+        const uint32_t frames = bench.forecast_frames - before;
+        TEST_ASSERT_EQUAL_UINT32(is_after ? bench.controller.junction->approach_count : 0U, frames);
+        TEST_ASSERT_FALSE((frames > 0U) && bench.controller.pilot.looks_on);
+        told += frames;
+    }
+    TEST_ASSERT_EQUAL_UINT32(40U, told);
+}
+
 /* --- another controller, and the end --- */
 
 static bool overhear(elmopp_frame_t frame, uint8_t counter) {
@@ -780,6 +796,7 @@ int main(void) {
     RUN_TEST(test_a_tick_that_was_missed_is_left_out);
     RUN_TEST(test_a_late_tick_and_a_clock_that_jumps_back_or_far_ahead_are_faults);
     RUN_TEST(test_a_clock_that_wraps_is_no_fault);
+    RUN_TEST(test_forecasts_come_in_the_tick_after_the_decision_and_know_the_whole_minute);
     RUN_TEST(test_lamp_commands_come_every_tick_and_status_every_second_or_on_news);
     RUN_TEST(test_a_second_controller_is_a_fault_whatever_it_says);
     RUN_TEST(test_a_spoilt_lamp_command_is_nobody);

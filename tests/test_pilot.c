@@ -422,9 +422,9 @@ static void test_the_forecast_sees_the_second_before_the_chooser(void) {
     TEST_ASSERT_EQUAL_FLOAT(-1.0F, script.first_veh[2]);
 }
 
-static void test_the_forecast_has_the_steps_asked_for_but_at_least_a_minute(void) {
-    static const uint16_t asked_s[] = {0U, 59U, 60U, 61U, ELMOPP_HORIZON_MAX};
-    static const uint16_t steps[] = {60U, 60U, 60U, 61U, ELMOPP_HORIZON_MAX};
+static void test_the_forecast_has_the_steps_asked_for_but_at_least_half_a_minute(void) {
+    static const uint16_t asked_s[] = {0U, 29U, 30U, 31U, ELMOPP_HORIZON_MAX};
+    static const uint16_t steps[] = {30U, 30U, 30U, 31U, ELMOPP_HORIZON_MAX};
     for (uint32_t i = 0U; i < 5U; i++) {
         start_with(ELMOPP_FORECAST_MEAN, asked_s[i]);
         step();
@@ -628,6 +628,7 @@ static void test_a_network_that_is_worse_than_the_mean_is_not_listened_to(void) 
     TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_DISTRUSTED, pilot.foresight);
     TEST_ASSERT_EQUAL_FLOAT(1.0F, script.first_veh[0]);
     TEST_ASSERT_EQUAL_FLOAT(1.0F, script.last_veh[0]);
+    elmopp_pilot_look_on(&pilot);
     TEST_ASSERT_EQUAL_FLOAT(60.0F, pilot.foreseen_sum_veh[0]);
 }
 
@@ -779,8 +780,66 @@ static void test_what_comes_soon_is_summed_over_10_and_30_seconds(void) {
     step();
     TEST_ASSERT_EQUAL_FLOAT(20.0F, pilot.soon_veh[0][1]);
     TEST_ASSERT_EQUAL_FLOAT(60.0F, pilot.soon_veh[1][1]);
-    TEST_ASSERT_EQUAL_FLOAT(120.0F, pilot.foreseen_sum_veh[1]);
     TEST_ASSERT_EQUAL_FLOAT(0.0F, pilot.soon_veh[0][0]);
+}
+
+static void test_the_rest_of_the_minute_is_foreseen_later_and_once(void) {
+    start_with(ELMOPP_FORECAST_PERSISTENCE, 10U);
+    arrived_veh[1] = 2.0F;
+    step();
+    TEST_ASSERT_EQUAL_FLOAT(60.0F, pilot.foreseen_sum_veh[1]);
+    elmopp_pilot_look_on(&pilot);
+    TEST_ASSERT_EQUAL_FLOAT(120.0F, pilot.foreseen_sum_veh[1]);
+    elmopp_pilot_look_on(&pilot);
+    TEST_ASSERT_EQUAL_FLOAT(120.0F, pilot.foreseen_sum_veh[1]);
+    present_veh[0] = -1.0F; /* a second that is not believed foresees nothing anew */
+    TEST_ASSERT_FALSE(elmopp_pilot_step(&pilot, &counts, NULL));
+    elmopp_pilot_look_on(&pilot);
+    TEST_ASSERT_EQUAL_FLOAT(120.0F, pilot.foreseen_sum_veh[1]);
+}
+
+static void test_an_oracles_rows_are_all_there_is_of_the_minute(void) {
+    static const float row_veh[20] = {1.0F};
+    const elmopp_foreseen_t oracle = {.row_veh = {row_veh, row_veh}, .steps = 20U};
+    start_with(ELMOPP_FORECAST_PERSISTENCE, 10U);
+    arrived_veh[0] = 7.0F;
+    TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &counts, &oracle));
+    elmopp_pilot_look_on(&pilot);
+    TEST_ASSERT_EQUAL_FLOAT(1.0F, pilot.foreseen_sum_veh[0]);
+}
+
+/* Two pilots see the same: one foresees the minute at once, as its chooser looks so far, the other in two parts. What
+   the neighbour announces reaches beyond the first part, and changes before the second. */
+static void expect_the_same_minute(uint8_t kind) {
+    static elmopp_pilot_t at_once;
+    static elmopp_outflow_t said[ELMOPP_APPROACH_MAX];
+    const elmopp_weights_t *weights = elmopp_forecast_is_nested(kind) ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
+    const elmopp_forecast_config_t config = {.kind = kind, .weights = weights};
+    start(10U, &config);
+    const elmopp_chooser_t looks_far = {choose, &script, ELMOPP_PILOT_TRACE_S};
+    elmopp_pilot_init(&at_once, &junction, &looks_far, &config);
+    const elmopp_counts_t heard = {present_veh, arrived_veh, 0U, said};
+    for (uint32_t t = 0U; t < 100U; t++) {
+        for (uint32_t j = 0U; j < MOVEMENTS; j++) {
+            arrived_veh[j] = 0.1F * (float)((t * (j + 3U)) % 17U);
+        }
+        said[1] = (elmopp_outflow_t){
+            .next10_veh = 1.0F, .next30_veh = 4.0F, .next60_veh = 9.0F, .ahead_s = ((t % 3U) == 0U) ? 55U : 0U};
+        TEST_ASSERT_TRUE(elmopp_pilot_step(&at_once, &heard, NULL));
+        TEST_ASSERT_TRUE(elmopp_pilot_step(&pilot, &heard, NULL));
+        said[1].next60_veh = 90.0F;
+        elmopp_pilot_look_on(&pilot);
+        TEST_ASSERT_EQUAL_MEMORY(at_once.soon_veh, pilot.soon_veh, sizeof pilot.soon_veh);
+        TEST_ASSERT_EQUAL_MEMORY(at_once.foreseen_sum_veh, pilot.foreseen_sum_veh, sizeof pilot.foreseen_sum_veh);
+    }
+}
+
+static void test_a_minute_in_two_parts_is_the_minute_to_the_bit(void) {
+    for (uint8_t kind = 0U; kind < ELMOPP_FORECAST_COUNT; kind++) {
+        if (kind != ELMOPP_FORECAST_AR8) { /* which needs coefficients */
+            expect_the_same_minute(kind);
+        }
+    }
 }
 
 int main(void) {
@@ -814,7 +873,7 @@ int main(void) {
     RUN_TEST(test_counts_of_zero_and_a_million_are_taken);
     RUN_TEST(test_counts_beyond_the_movements_are_not_read);
     RUN_TEST(test_the_forecast_sees_the_second_before_the_chooser);
-    RUN_TEST(test_the_forecast_has_the_steps_asked_for_but_at_least_a_minute);
+    RUN_TEST(test_the_forecast_has_the_steps_asked_for_but_at_least_half_a_minute);
     RUN_TEST(test_without_a_forecast_nothing_is_foreseen);
     RUN_TEST(test_foreseen_sum_is_that_of_60_seconds);
     RUN_TEST(test_rows_of_an_oracle_replace_the_forecast);
@@ -841,5 +900,8 @@ int main(void) {
     RUN_TEST(test_t_goes_on_in_all_red);
     RUN_TEST(test_a_restart_is_red_with_running_intergreens_and_keeps_the_forecast);
     RUN_TEST(test_what_comes_soon_is_summed_over_10_and_30_seconds);
+    RUN_TEST(test_the_rest_of_the_minute_is_foreseen_later_and_once);
+    RUN_TEST(test_an_oracles_rows_are_all_there_is_of_the_minute);
+    RUN_TEST(test_a_minute_in_two_parts_is_the_minute_to_the_bit);
     return UNITY_END();
 }

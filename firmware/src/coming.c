@@ -108,14 +108,16 @@ static void sum_arrivals(elmopp_coming_t *self, const elmopp_sight_t *sight, con
         arrived_veh[k + 1U] = sum_veh;
     }
     uint32_t k = travel_s;
-    while ((k < horizon_s) && ((k < (travel_s + rows_s)) || (hidden_veh > 0.0F))) {
-        const uint32_t row = k - travel_s;
-        const float came_veh = (row < rows_s) ? foreseen(self, view, movement, row) : expected_veh;
+    const uint32_t rows_end = travel_s + rows_s;
+    bool is_even = (k >= rows_end) && (hidden_veh <= 0.0F);
+    while ((k < horizon_s) && (!is_even)) {
+        const float came_veh = (k < rows_end) ? foreseen(self, view, movement, k - travel_s) : expected_veh;
         const float late_veh = shown_veh(sight, movement, came_veh, hidden_veh);
         hidden_veh -= late_veh;
         sum_veh += came_veh + late_veh;
         k++;
         arrived_veh[k] = sum_veh;
+        is_even = (k >= rows_end) && (hidden_veh <= 0.0F);
     }
     self->even_step = (k > self->even_step) ? k : self->even_step;
     for (; k < horizon_s; k++) {

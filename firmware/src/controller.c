@@ -13,6 +13,8 @@
 
 #define MS_PER_DS 100U
 #define DS_PER_S 10U
+#define FORETELL_DS                                                                                                    \
+    1U /* so long after a decision the rest of the minute is foreseen, and told: a tick that has the time */
 #define WATCH_BYTES 64U /* a tick's share of the continuous checksums */
 #define EARLIEST_MS 50U /* between two ticks */
 #define WEIGHTS_ID_MASK 0x0FFFU
@@ -537,7 +539,7 @@ static bool is_news(const elmopp_controller_t *self, const elmopp_status_t *stat
     return changed || (self->told_ds >= DS_PER_S);
 }
 
-static uint32_t send(elmopp_controller_t *self, bool decided, elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK]) {
+static uint32_t send(elmopp_controller_t *self, bool foretells, elmopp_frame_t out[ELMOPP_FRAMES_PER_TICK]) {
     uint32_t count = 0U;
     const bool fail_safe = self->mode == ELMOPP_MODE_FAIL_SAFE;
     out[count] = elmopp_frames_lamp_command(&self->lamps, fail_safe, self->mode == ELMOPP_MODE_DARK);
@@ -551,7 +553,7 @@ static uint32_t send(elmopp_controller_t *self, bool decided, elmopp_frame_t out
         self->told = status;
         self->told_ds = 0U;
     }
-    for (uint32_t i = 0U; decided && (i < self->junction->approach_count); i++) {
+    for (uint32_t i = 0U; foretells && (i < self->junction->approach_count); i++) {
         const elmopp_outlook_t outlook = outlook_on(self, i);
         out[count] = elmopp_frames_forecast(i, &outlook);
         elmopp_link_seal(&out[count], &self->bus.forecast_counter[i]);
@@ -568,15 +570,20 @@ uint32_t elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t now_ms,
         return 0U;
     }
     const bool decides = self->second_ds == 0U;
+    const bool foretells = self->second_ds == FORETELL_DS;
     self->second_ds = (uint8_t)((self->second_ds + 1U) % DS_PER_S);
     age(self);
     if (decides) {
         every_second(self);
+    } else if (foretells) {
+        elmopp_pilot_look_on(&self->pilot);
+    } else {
+        /* a tick for the lamps alone */
     }
     diagnose(self);
     test_lamps(self);
     change_mode(self);
     const elmopp_lamps_t lamps = lamps_of_mode(self);
     self->lamps = judged(self, &lamps);
-    return send(self, decides, out);
+    return send(self, foretells, out);
 }

@@ -236,56 +236,53 @@ static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uin
     }
 }
 
-/* A recurrent network on its own output: a copy of what it remembers, in the arithmetic of the kind. */
-typedef struct {
-    elmopp_lstm_f32_net_t net;
-    elmopp_lstm_f32_state_t f32;
-    elmopp_lstm_q15_state_t q15;
-} free_run_t;
-
-static free_run_t begin_run(const elmopp_forecast_t *self, uint32_t group) {
+/* Whether what is said is by the learnt weights. */
+static bool is_learnt(const elmopp_forecast_t *self) {
     const elmopp_learner_t *learner = learner_of(self);
-    const bool learnt = (learner != NULL) && elmopp_learner_is_in_use(learner);
-    return (free_run_t){.net = learnt ? elmopp_trainer_net(&learner->trainer)
-                                      : elmopp_lstm_f32_net(&self->config.weights->lstm),
-                        .f32 = learnt ? learner->memory[group] : self->memory[group],
-                        .q15 = self->whole_memory[group]};
+    return (learner != NULL) && elmopp_learner_is_in_use(learner);
 }
 
-static void step(const elmopp_forecast_t *self, free_run_t *run, const float input[ELMOPP_FORECAST_GROUP_SIZE]) {
-    if (is_q15(self->config.kind)) {
-        elmopp_lstm_q15_step(&self->q15, &run->q15, input);
-    } else {
-        elmopp_lstm_f32_net_step(&run->net, &run->f32, input);
-    }
+static void begin_run(elmopp_forecast_t *self, uint32_t group) {
+    self->run.f32[group] = is_learnt(self) ? self->config.learner->memory[group] : self->memory[group];
+    self->run.q15[group] = self->whole_memory[group];
 }
 
-static void say(const elmopp_forecast_t *self, const free_run_t *run, float output[ELMOPP_FORECAST_GROUP_SIZE]) {
+/* One second of a recurrent network on its own output, in the arithmetic of the kind: it is fed what it said, unless
+   nothing has been said yet, and says what comes next. */
+static void run_on(elmopp_forecast_t *self, const elmopp_lstm_f32_net_t *net, uint32_t group, bool fed) {
+    elmopp_forecast_run_t *run = &self->run;
     if (is_q15(self->config.kind)) {
-        elmopp_lstm_q15_output(&self->q15, &run->q15, output);
+        if (fed) {
+            elmopp_lstm_q15_step(&self->q15, &run->q15[group], run->said[group]);
+        }
+        elmopp_lstm_q15_output(&self->q15, &run->q15[group], run->said[group]);
     } else {
-        elmopp_lstm_f32_net_output(&run->net, &run->f32, output);
+        if (fed) {
+            elmopp_lstm_f32_net_step(net, &run->f32[group], run->said[group]);
+        }
+        elmopp_lstm_f32_net_output(net, &run->f32[group], run->said[group]);
     }
 }
 
 /* Runs one group's recurrent network on its own output, from a copy of its memory. */
-static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, uint32_t steps) {
+static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, uint32_t from, uint32_t steps) {
     const elmopp_weights_t *weights = self->config.weights;
-    free_run_t run = begin_run(self, group);
-    for (uint32_t t = 0U; t < steps; t++) {
-        float next[ELMOPP_FORECAST_GROUP_SIZE];
-        say(self, &run, next);
+    const elmopp_lstm_f32_net_t net =
+        is_learnt(self) ? elmopp_trainer_net(&self->config.learner->trainer) : elmopp_lstm_f32_net(&weights->lstm);
+    float *said = self->run.said[group];
+    if (from == 0U) {
+        begin_run(self, group);
+    }
+    for (uint32_t t = from; t < steps; t++) {
+        run_on(self, &net, group, t > 0U);
         for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
             const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
             if (approach < self->junction->approach_count) {
-                next[k] = elmopp_within(next[k], weights->low[k], weights->high[k]);
-                self->row_veh[approach][t] = next[k] * scale_of(self, approach);
+                said[k] = elmopp_within(said[k], weights->low[k], weights->high[k]);
+                self->row_veh[approach][t] = said[k] * scale_of(self, approach);
             } else {
-                next[k] = 0.0F;
+                said[k] = 0.0F;
             }
-        }
-        if ((t + 1U) < steps) {
-            step(self, &run, next);
         }
     }
 }
@@ -329,23 +326,25 @@ static void say_next(const elmopp_forecast_t *self, const float *const past[ELMO
 }
 
 /* Runs a network that sees windows on its own output: what it says is the windows' next second. */
-static void fill_from_windows(elmopp_forecast_t *self, uint32_t steps) {
-    float past[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S];
+static void fill_from_windows(elmopp_forecast_t *self, uint32_t from, uint32_t steps) {
     const float *window[ELMOPP_APPROACH_MAX];
     float next[ELMOPP_APPROACH_MAX];
-    open_windows(self, past);
-    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-        window[i] = past[i];
+    if (from == 0U) {
+        open_windows(self, self->run.past);
     }
-    for (uint32_t t = 0U; t < steps; t++) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        window[i] = self->run.past[i];
+    }
+    for (uint32_t t = from; t < steps; t++) {
         say_next(self, window, next);
         for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+            float *past = self->run.past[i];
             const float held = held_for(self, i, next[i]);
             self->row_veh[i][t] = held * scale_of(self, i);
             for (uint32_t k = 1U; k < ELMOPP_FORECAST_PAST_S; k++) {
-                past[i][k - 1U] = past[i][k];
+                past[k - 1U] = past[k];
             }
-            past[i][ELMOPP_FORECAST_PAST_S - 1U] = held;
+            past[ELMOPP_FORECAST_PAST_S - 1U] = held;
         }
     }
 }
@@ -373,15 +372,16 @@ static void fill_with_mean(elmopp_forecast_t *self, uint32_t steps) {
     }
 }
 
-static void fill_rows(elmopp_forecast_t *self, uint32_t steps) {
+/* The rows from one step on. What is no network's is said anew from the first. */
+static void fill_rows(elmopp_forecast_t *self, uint32_t from, uint32_t steps) {
     if (elmopp_forecast_status(self) != ELMOPP_FORECAST_READY) {
         fill_with_mean(self, steps);
     } else if (is_recurrent(self->config.kind)) {
         for (uint32_t group = 0U; group < group_count(self); group++) {
-            fill_from_memory(self, group, steps);
+            fill_from_memory(self, group, from, steps);
         }
     } else if (elmopp_forecast_is_network(self->config.kind)) {
-        fill_from_windows(self, steps);
+        fill_from_windows(self, from, steps);
     } else {
         for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
             fill_by_approach(self, i, steps);
@@ -411,10 +411,20 @@ static uint16_t hand_out(const elmopp_forecast_t *self, uint16_t steps, const fl
 uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
     ELMOPP_ASSERT(steps <= ELMOPP_HORIZON_MAX);
     if (self->config.kind != (uint8_t)ELMOPP_FORECAST_NONE) {
-        fill_rows(self, steps);
+        fill_rows(self, 0U, steps);
+        self->said_s = steps;
         if (steps >= ELMOPP_ACCOUNT_PROBE_S) {
             enter(self);
         }
+    }
+    return hand_out(self, steps, rows);
+}
+
+uint16_t elmopp_forecast_look_on(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]) {
+    ELMOPP_ASSERT((steps <= ELMOPP_HORIZON_MAX) && (steps >= self->said_s));
+    if (self->config.kind != (uint8_t)ELMOPP_FORECAST_NONE) {
+        fill_rows(self, self->said_s, steps);
+        self->said_s = steps;
     }
     return hand_out(self, steps, rows);
 }

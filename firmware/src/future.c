@@ -95,7 +95,7 @@ static float square_of(const elmopp_future_t *self, uint32_t stage) {
 }
 
 /* What arrivals add to queues times flow until each step, in no stage more, and in a second of each stage at least. */
-static void expect(elmopp_future_t *self) {
+static void expect_growth(elmopp_future_t *self) {
     const uint32_t stages = self->junction->stage_count;
     const uint32_t horizon_s = self->coming->options.horizon_s;
     for (uint32_t s = 0U; s < stages; s++) {
@@ -130,7 +130,7 @@ void elmopp_future_begin(elmopp_future_t *self, elmopp_stage_t shown, uint32_t e
         self->present_blocked = self->present_blocked || blocked;
         self->present_flow_veh_per_s[j] = blocked ? (self->options.blocked_share * flow) : flow;
     }
-    expect(self);
+    expect_growth(self);
 }
 
 /* --- one future --- */
@@ -256,9 +256,13 @@ static elmopp_stage_t react(elmopp_future_t *self, float ratio, uint32_t step) {
     if (late || (!self->looked) || (most_possible(self, step) > enough)) {
         wanted = press_most(self, step, late ? 0.0F : enough);
     }
-    const uint32_t quiet = late ? 0U : quiet_s(self, ratio, step, own);
-    const uint32_t left_s = late ? 1U : (self->options.max_s - since_s);
-    self->ask_step = step + ((quiet < left_s) ? (quiet + 1U) : left_s);
+    if (late) {
+        self->ask_step = step + 1U;
+    } else {
+        const uint32_t quiet = quiet_s(self, ratio, step, own);
+        const uint32_t left_s = self->options.max_s - since_s;
+        self->ask_step = step + ((quiet < left_s) ? quiet : (left_s - 1U)) + 1U;
+    }
     return wanted;
 }
 
@@ -368,7 +372,7 @@ static float flow_through_gaps(const elmopp_future_t *self, uint32_t step, uint3
 /* Of a movement in second `step`, by the queues that stand before anybody leaves. Who is seen to reach the line in this
    second may pass in it; without a reach he is counted first, and goes in the next one at the earliest. */
 static void open_lane(elmopp_future_t *self, uint32_t step, uint32_t movement, float amber_share) {
-    const uint32_t ahead = (self->sight->options.travel_s[movement] > 0U) ? 1U : 0U;
+    const uint32_t ahead = (self->sight->options.travel_s[movement] > 0U) ? (uint32_t)1U : (uint32_t)0U;
     const bool waits = elmopp_mask_has(self->sight->yields[self->shown], movement);
     /* A flow that is learnt does not hang on the queue. */
     const float queue_veh = (self->learnt && (!waits)) ? 0.0F : standing(self, step + ahead, movement);
@@ -393,7 +397,8 @@ static void open_lane(elmopp_future_t *self, uint32_t step, uint32_t movement, f
 /* Lists who goes in second `step`, how fast, and until when that holds. */
 static void open_lanes(elmopp_future_t *self, uint32_t step) {
     const bool changing = self->target != ELMOPP_STAGE_NONE;
-    const float changing_s = (float)(step - self->change_step);
+    const uint32_t since_s = step - self->change_step;
+    const float changing_s = (float)since_s;
     const float amber_share = elmopp_lesser(elmopp_greater(self->options.yellow_used_s - changing_s, 0.0F), 1.0F);
     bool settled = self->learnt && (self->sight->yields[self->shown] == 0U) && ((!changing) || (amber_share <= 0.0F));
     self->open_count = 0U;

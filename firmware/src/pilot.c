@@ -68,9 +68,10 @@ static bool is_distrusted(const elmopp_forecast_t *forecast) {
            (error.compared_s >= ELMOPP_PILOT_ACCOUNT_MIN_S);
 }
 
+/* As far as the chooser looks, and as the forecast's account and the next half a minute ask. */
 static uint16_t asked_steps(const elmopp_pilot_t *self) {
     const uint16_t asked_s = self->chooser.horizon_s;
-    return (asked_s > ELMOPP_PILOT_TRACE_S) ? asked_s : (uint16_t)ELMOPP_PILOT_TRACE_S;
+    return (asked_s > LATER_S) ? asked_s : (uint16_t)LATER_S;
 }
 
 /* The forecast's own rows. Also when they are not used: the account has to go on. */
@@ -99,8 +100,16 @@ static float sum_of_first(const elmopp_view_t *view, uint32_t approach, uint32_t
     return sum_veh;
 }
 
-static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, const elmopp_outflow_t *outflow,
-                       elmopp_view_t *view) {
+static void hear_neighbours(elmopp_pilot_t *self, const elmopp_outflow_t *outflow) {
+    self->is_heard = outflow != NULL;
+    for (uint32_t i = 0U; self->is_heard && (i < ELMOPP_APPROACH_MAX); i++) {
+        self->outflow[i] = outflow[i];
+    }
+}
+
+static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, elmopp_view_t *view) {
+    const uint16_t asked = asked_steps(self);
+    self->looks_on = (foreseen == NULL) && (asked < ELMOPP_PILOT_TRACE_S);
     if (foreseen != NULL) {
         ELMOPP_ASSERT(foreseen->steps <= ELMOPP_HORIZON_MAX);
         self->foresight = ELMOPP_FORESIGHT_GIVEN;
@@ -111,10 +120,12 @@ static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, 
     } else {
         look_for_itself(self, view);
     }
-    if (outflow != NULL) {
+    if (self->is_heard) {
         view->foreseen_steps =
-            elmopp_forecast_hear(&self->forecast, outflow, asked_steps(self), view->foreseen_steps, view->foreseen_veh);
+            elmopp_forecast_hear(&self->forecast, self->outflow, asked, view->foreseen_steps, view->foreseen_veh);
     }
+    const uint16_t steps = view->foreseen_steps;
+    self->foreseen_s = (steps < ELMOPP_PILOT_TRACE_S) ? steps : (uint16_t)ELMOPP_PILOT_TRACE_S;
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
         self->soon_veh[0][i] = sum_of_first(view, i, SOON_S);
         self->soon_veh[1][i] = sum_of_first(view, i, LATER_S);
@@ -122,11 +133,35 @@ static void look_ahead(elmopp_pilot_t *self, const elmopp_foreseen_t *foreseen, 
     }
 }
 
+/* In the order in which a step does it, on rows whose beginning has been summed up. */
+void elmopp_pilot_look_on(elmopp_pilot_t *self) {
+    if (!self->looks_on) {
+        return;
+    }
+    const uint16_t minute = (uint16_t)ELMOPP_PILOT_TRACE_S;
+    const float *row_veh[ELMOPP_APPROACH_MAX];
+    uint16_t steps = elmopp_forecast_look_on(&self->forecast, minute, row_veh);
+    if (self->foresight == ELMOPP_FORESIGHT_DISTRUSTED) {
+        steps = elmopp_forecast_fall_back(&self->forecast, minute, row_veh);
+    }
+    if (self->is_heard) {
+        steps = elmopp_forecast_hear(&self->forecast, self->outflow, minute, steps, row_veh);
+    }
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        for (uint32_t t = self->foreseen_s; t < steps; t++) {
+            self->foreseen_sum_veh[i] += row_veh[i][t];
+        }
+    }
+    self->foreseen_s = steps;
+    self->looks_on = false;
+}
+
 void elmopp_pilot_step_blind(elmopp_pilot_t *self) {
     self->waiting = ALL_MOVEMENTS & ~self->going;
 }
 
 bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, const elmopp_foreseen_t *foreseen) {
+    self->looks_on = false;
     if (!are_counts(self, counts)) {
         elmopp_pilot_step_blind(self);
         return false;
@@ -142,7 +177,8 @@ bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, cons
                           .elapsed_ds = self->plan.elapsed_ds,
                           .stage = self->plan.stage,
                           .target = self->plan.target};
-    look_ahead(self, foreseen, counts->outflow, &view);
+    hear_neighbours(self, counts->outflow);
+    look_ahead(self, foreseen, &view);
     const elmopp_stage_t answer = self->chooser.choose(self->chooser.state, &view, self->score);
     const bool exists = answer < self->junction->stage_count;
     /* In an intergreen the plan has committed itself; an answer kept for later would be a second old when it counts. */

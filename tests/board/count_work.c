@@ -22,8 +22,12 @@
 ///   nothing
 ///                      is said, lstm for cumulative and rollout; the others look at none), eight stages, twelve
 ///                      movements (the paper's junction with a constant saturation flow), somebody everywhere
+///   tick_worst_rest.rollout[:F]    elmopp_pilot_look_on() and the next lamp tick: the rest of the minute, where C
+///   looks less
+///                      far; tick_two_groups_rest.rollout likewise
 ///   tick_two_groups.C  the same at site five_way: two groups of approaches, eleven stages, eleven movements
 ///   tick.lamp          elmopp_controller_tick() without a decision: site four_way, frames of every camera and node
+///   tick.rest          ... the one after a decision
 ///   tick.decision      ... with one: chooser rollout, forecast lstm, 17 stages
 
 #include "bench.h"
@@ -286,6 +290,16 @@ static elmopp_chooser_t make_rollout(void) {
     return elmopp_rollout_init(&rollout, &options);
 }
 
+/* The lamp tick after a decision. `key` is of the decision's: what comes before its point gets `_rest`. */
+static void count_rest(const char *key, elmopp_pilot_t *pilot) {
+    const int group = (int)strcspn(key, ".");
+    COUNT_BEGIN();
+    elmopp_pilot_look_on(pilot);
+    (void)elmopp_pilot_lamp_tick(pilot, pilot->wanted, false);
+    COUNT_END();
+    (void)printf("%.*s_rest%s\n", group, key, &key[group]);
+}
+
 static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elmopp_junction_t *site) {
     static elmopp_junction_t junction;
     static elmopp_pilot_t pilot;
@@ -315,7 +329,13 @@ static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elm
             COUNT_END();
             (void)puts(key);
         }
-        for (uint32_t i = 1U; i < ELMOPP_LAMP_TICKS_PER_S; i++) {
+        if (is_counted && (chooser.horizon_s == ELMOPP_ACCOUNT_PROBE_S)) {
+            count_rest(key, &pilot);
+        } else {
+            elmopp_pilot_look_on(&pilot);
+            (void)elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
+        }
+        for (uint32_t i = 2U; i < ELMOPP_LAMP_TICKS_PER_S; i++) {
             (void)elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
         }
     }
@@ -361,11 +381,12 @@ uint32_t __wrap_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t no
     if (!is_street_counted) {
         return __real_elmopp_controller_tick(self, now_ms, out);
     }
-    const bool decides = self->second_ds == 0U;
+    static const char *const keys[] = {"tick.decision", "tick.rest", "tick.lamp"};
+    const uint32_t tick = self->second_ds;
     COUNT_BEGIN();
     const uint32_t frames = __real_elmopp_controller_tick(self, now_ms, out);
     COUNT_END();
-    (void)puts(decides ? "tick.decision" : "tick.lamp");
+    (void)puts(keys[(tick < 2U) ? tick : 2U]);
     return frames;
 }
 

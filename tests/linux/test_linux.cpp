@@ -132,6 +132,21 @@ void test_the_junction_camera_is_told_of_where_somebody_listens() {
     expect(view, bench.now_ms, {"junction    camera covered"});
 }
 
+void test_what_a_neighbour_announces_is_told_until_it_falls_silent() {
+    const elmopp_junction_t site = three_groups();
+    JunctionView view(site);
+    start(site, view);
+    TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "neighbour"));
+    const elmopp_outflow_t said{2.0F, 3.5F, 12.0F, 14, 0};
+    elmopp_frame_t frame = elmopp_frames_make_outflow(0, &said);
+    std::uint8_t counter = 0;
+    elmopp_link_seal(&frame, &counter);
+    view.hear(frame, bench.now_ms);
+    expect(view, bench.now_ms, {", neighbour 2.0 3.5 12.0 of 14 s"});
+    expect(view, bench.now_ms + 2999, {", neighbour 2.0 3.5 12.0 of 14 s"});
+    expect(view, bench.now_ms + 3000, {", neighbour silent"});
+}
+
 void test_spoilt_frames_are_counted_and_change_nothing() {
     const elmopp_junction_t site = three_groups();
     JunctionView view(site);
@@ -247,6 +262,7 @@ int main() {
     RUN_TEST(test_a_running_junction_reads_as_english);
     RUN_TEST(test_what_is_wrong_is_said);
     RUN_TEST(test_the_junction_camera_is_told_of_where_somebody_listens);
+    RUN_TEST(test_what_a_neighbour_announces_is_told_until_it_falls_silent);
     RUN_TEST(test_spoilt_frames_are_counted_and_change_nothing);
     RUN_TEST(test_a_flood_is_taken_in_pieces_and_in_order);
     RUN_TEST(test_breakages_are_read_and_others_refused);

@@ -21,7 +21,8 @@ from bus import Bus, Heard, controller, interface, lamp_node
 from bus_frames import COUNTS, LAMP_COMMAND, STATUS
 from latency import ages_ms, changes_s, gaps_ms, quantiles
 
-FORECAST = 0x190  # the first of a decision's
+FORECAST = 0x190  # the first of a decision's ...
+FORECAST_AFTER_S = 0.1  # ... a lamp tick after it
 SETTLE_MAX_S = 60
 SECONDS = 180.0
 APPROACHES = 4
@@ -100,7 +101,7 @@ def measure(bus: Bus, cameras: Cameras) -> dict[str, object]:
 def figures(frames: list[Heard], cameras: Cameras) -> dict[str, object]:
     """Of one load."""
     lamps = [(frame.at_s, frame.aspects) for frame in frames if frame.id == LAMP_COMMAND]
-    decisions_s = [frame.at_s for frame in frames if frame.id == FORECAST]
+    decisions_s = [frame.at_s - FORECAST_AFTER_S for frame in frames if frame.id == FORECAST]
     gaps = gaps_ms(at_s for at_s, _ in lamps)
     return {
         "modes": sorted({frame.mode for frame in frames if frame.id == STATUS}),

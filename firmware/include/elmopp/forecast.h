@@ -83,6 +83,14 @@ typedef enum {
     ELMOPP_FORECAST_UNARMED ///< the mean: there are no weights, or not such as the kind needs, or they fail their check
 } elmopp_forecast_status_t;
 
+/// A network on its own output, as far as it has run: it can run on.
+typedef struct {
+    elmopp_lstm_f32_state_t f32[ELMOPP_FORECAST_GROUP_MAX]; ///< copies of what a recurrent one remembers ...
+    elmopp_lstm_q15_state_t q15[ELMOPP_FORECAST_GROUP_MAX];
+    float said[ELMOPP_FORECAST_GROUP_MAX][ELMOPP_FORECAST_GROUP_SIZE]; ///< ... and what it is fed next
+    float past[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S];           ///< windows of those that see windows
+} elmopp_forecast_run_t;
+
 /// State. Set up by elmopp_forecast_init(); nobody else writes it.
 typedef struct {
     elmopp_forecast_config_t config;
@@ -99,6 +107,8 @@ typedef struct {
     elmopp_lstm_q15_state_t whole_memory[ELMOPP_FORECAST_GROUP_MAX]; ///< ... and of one in whole numbers
     elmopp_gcn_f32_graph_t graph;                                    ///< of the approaches
     elmopp_account_t account;
+    elmopp_forecast_run_t run;
+    uint16_t said_s; ///< steps of the rows that have been said since the last observation
     float row_veh[ELMOPP_APPROACH_MAX][ELMOPP_HORIZON_MAX];
 } elmopp_forecast_t;
 
@@ -118,6 +128,10 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
 /// and returns the steps; with `none` the rows are null and it returns 0. Call it once after each observation: what it
 /// says is entered in the account.
 uint16_t elmopp_forecast_look(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
+
+/// Says more of the same rows, until `steps`, any time before the next observation; rows are as there. What has been
+/// said already may have been written over; it stays so.
+uint16_t elmopp_forecast_look_on(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
 /// Fills the rows with the mean instead, whatever the kind (but `none`): what a caller falls back to.
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);

@@ -5,10 +5,12 @@
 ///
 /// Once a second elmopp_pilot_step() takes counts and asks the chooser for a stage; every 100 ms
 /// elmopp_pilot_lamp_tick() moves the plan towards what the caller wants, in automatic operation the chooser's wish,
-/// and returns the lamps. Order of a second: one step, then ten lamp ticks. A network whose account of the last minutes
-/// is worse than the mean's is not listened to until it is better again; its rows are then the mean. It counts T, the
-/// time since each movement was green, from the lamps that it returned and from nothing else. A chooser that names no
-/// stage there is has no wish.
+/// and returns the lamps. Order of a second: one step, then ten lamp ticks. A step foresees as far as the chooser
+/// looks, and the forecast's account; what only a log or a frame wants to know of the minute, elmopp_pilot_look_on()
+/// works out later, in a lamp tick that has the time. A network whose account of the last minutes is worse than the
+/// mean's is not listened to until it is better again; its rows are then the mean. It counts T, the time since each
+/// movement was green, from the lamps that it returned and from nothing else. A chooser that names no stage there is
+/// has no wish.
 ///
 /// It knows no frame, no mode and no fault; the fluid experiment drives it directly, the controller (controller.h)
 /// through frames. Owns the state of forecast and plan; the chooser's state and the junction belong to the caller and
@@ -60,15 +62,19 @@ typedef struct {
     elmopp_chooser_t chooser;
     elmopp_forecast_t forecast;
     elmopp_plan_t plan;
-    uint16_t red_ds[ELMOPP_MOVEMENT_MAX];        ///< T; saturates
-    uint32_t going;                              ///< mask of the movements that are green
-    uint32_t waiting;                            ///< mask of the movements that waited on red in the last second
-    bool begun;                                  ///< a stage has been aimed at: T counts
-    elmopp_stage_t wanted;                       ///< the chooser's wish; ELMOPP_STAGE_NONE: none
-    elmopp_foresight_t foresight;                ///< of the last second
-    float score[ELMOPP_STAGE_MAX];               ///< the chooser's scores in the last second
-    float soon_veh[2][ELMOPP_APPROACH_MAX];      ///< forecast of the next 10 and 30 seconds
-    float foreseen_sum_veh[ELMOPP_APPROACH_MAX]; ///< forecast of the next ELMOPP_PILOT_TRACE_S seconds
+    uint16_t red_ds[ELMOPP_MOVEMENT_MAX];          ///< T; saturates
+    uint32_t going;                                ///< mask of the movements that are green
+    uint32_t waiting;                              ///< mask of the movements that waited on red in the last second
+    bool begun;                                    ///< a stage has been aimed at: T counts
+    elmopp_stage_t wanted;                         ///< the chooser's wish; ELMOPP_STAGE_NONE: none
+    elmopp_foresight_t foresight;                  ///< of the last second
+    float score[ELMOPP_STAGE_MAX];                 ///< the chooser's scores in the last second
+    float soon_veh[2][ELMOPP_APPROACH_MAX];        ///< forecast of the next 10 and 30 seconds
+    float foreseen_sum_veh[ELMOPP_APPROACH_MAX];   ///< ... and of ELMOPP_PILOT_TRACE_S, as soon as they are foreseen
+    uint16_t foreseen_s;                           ///< seconds in that sum
+    bool looks_on;                                 ///< there is more to foresee of the minute ...
+    bool is_heard;                                 ///< ... over which neighbours have announced
+    elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX]; ///< ... this
 } elmopp_pilot_t;
 
 /// All red, cold forecast. Asserts a junction that passes elmopp_site_check_counts() and a horizon within
@@ -89,6 +95,10 @@ bool elmopp_pilot_is_count(float value_veh);
 /// they come from whatsoever; nothing else hears of it. With `foreseen` (null: none) its rows replace the forecast's.
 /// False if a value is no count: the second was then a blind one.
 bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, const elmopp_foreseen_t *foreseen);
+
+/// The rest of ELMOPP_PILOT_TRACE_S, for those who only want to know: `foreseen_sum_veh` is whole after it. Once after
+/// a step and before the next; nothing else hangs on it.
+void elmopp_pilot_look_on(elmopp_pilot_t *self);
 
 /// In place of a step, for a second in which nobody could count: nothing is learnt, the wish stays, and every movement
 /// on red counts as waiting, so that maximum greens and the bound on red still turn the stages.

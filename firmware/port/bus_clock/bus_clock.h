@@ -3,8 +3,8 @@
 
 /// Bus clock: the time comes over the bus, and what was decided goes out in full. For comparing logs.
 ///
-/// One SimTime is one lamp tick, answered by LampCommand; SimTime 0 is none and begins anew. Before the answer to a
-/// tick that decided come DecisionTrace frames with the floats of the decision log. Never part of an image that drives
+/// One SimTime is one lamp tick, answered by LampCommand; SimTime 0 is none and begins anew. Before the answer to the
+/// tick after a decision, with the Forecast frames, come DecisionTrace frames with the floats of the decision log. Never part of an image that drives
 /// a street: a frame could stop its clock.
 ///
 /// Pure translations; no state but the sender's counter.
@@ -35,7 +35,7 @@ typedef struct {
 elmopp_frame_t elmopp_bus_clock_make_time(elmopp_ms_t now_ms);
 elmopp_ms_t elmopp_bus_clock_time(const elmopp_frame_t *frame);
 
-/// True if these frames of a tick say that the controller has decided in it.
+/// True if these frames of a tick say what the controller has decided: Forecast is among them.
 bool elmopp_bus_clock_decided(const elmopp_frame_t *frames, uint32_t count);
 
 /// The last decision as DecisionTrace frames, sealed. Returns how many.

@@ -51,6 +51,13 @@ std::string padded(std::string text, std::size_t width) {
     return text;
 }
 
+bool is_of_approach(const elmopp_frame_t &frame) {
+    constexpr std::array<unsigned, 3> firsts{ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID, ELMOPP_CAN_FORECAST_FRAME_ID,
+                                             ELMOPP_CAN_NEIGHBOUR_OUTFLOW_FRAME_ID};
+    return std::any_of(firsts.begin(), firsts.end(),
+                       [&frame](unsigned first) { return frame.id - first < ELMOPP_APPROACH_MAX; });
+}
+
 std::string fixed(double value) {
     std::array<char, 32> text{};
     (void)std::snprintf(text.data(), text.size(), "%.1f", value);
@@ -61,14 +68,10 @@ std::string fixed(double value) {
 
 void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
     const unsigned node = frame.id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
-    const unsigned camera = frame.id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID;
-    const unsigned approach = frame.id - ELMOPP_CAN_FORECAST_FRAME_ID;
     const bool command = frame.id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID;
     const bool status = frame.id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID;
     const bool junction = frame.id == ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID;
-    const bool ours = command || status || junction || node < ELMOPP_NODE_MAX || camera < ELMOPP_APPROACH_MAX ||
-                      approach < ELMOPP_APPROACH_MAX;
-    if (!ours) {
+    if (!command && !status && !junction && node >= ELMOPP_NODE_MAX && !is_of_approach(frame)) {
         return;
     }
     elmopp_lamps_t lamps{};
@@ -82,12 +85,22 @@ void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
         occupancy_.set(elmopp_frames_occupancy(&frame), now_ms);
     } else if (node < ELMOPP_NODE_MAX) {
         feedback_.at(node).set(elmopp_frames_feedback(&frame), now_ms);
-    } else if (camera < ELMOPP_APPROACH_MAX) {
+    } else {
+        hear_approach(frame, now_ms);
+    }
+}
+
+void JunctionView::hear_approach(const elmopp_frame_t &frame, std::uint32_t now_ms) {
+    const unsigned camera = frame.id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID;
+    const unsigned neighbour = frame.id - ELMOPP_CAN_NEIGHBOUR_OUTFLOW_FRAME_ID;
+    if (camera < ELMOPP_APPROACH_MAX) {
         Counts counts{};
         counts.reason = elmopp_frames_counts(&frame, counts.report.data());
         counts_.at(camera).set(counts, now_ms);
+    } else if (neighbour < ELMOPP_APPROACH_MAX) {
+        outflow_.at(neighbour).set(elmopp_frames_outflow(&frame), now_ms);
     } else {
-        hear_forecast(frame, approach, now_ms);
+        hear_forecast(frame, frame.id - ELMOPP_CAN_FORECAST_FRAME_ID, now_ms);
     }
 }
 
@@ -205,11 +218,25 @@ std::string JunctionView::forecast_of(std::uint32_t approach, std::uint32_t now_
            fixed(next[2]);
 }
 
+/// Nothing of one that has never spoken: most approaches have no neighbour.
+std::string JunctionView::neighbour_of(std::uint32_t approach, std::uint32_t now_ms) const {
+    const auto &heard = outflow_.at(approach);
+    if (!heard.at_ms) {
+        return "";
+    }
+    if (!heard.is_fresh(now_ms, ELMOPP_CAN_NEIGHBOUR_OUTFLOW_CYCLE_TIME_MS)) {
+        return ", neighbour silent";
+    }
+    const elmopp_outflow_t &outflow = heard.value;
+    return ", neighbour " + fixed(outflow.next10_veh) + " " + fixed(outflow.next30_veh) + " " +
+           fixed(outflow.next60_veh) + " of " + std::to_string(outflow.ahead_s) + " s";
+}
+
 std::string JunctionView::approach_line(std::uint32_t approach, std::uint32_t now_ms) const {
     constexpr std::size_t name_width = 12;
     constexpr std::size_t counts_width = 28;
     return padded(junction_.approach_name[approach], name_width) + padded(counts_of(approach, now_ms), counts_width) +
-           forecast_of(approach, now_ms);
+           forecast_of(approach, now_ms) + neighbour_of(approach, now_ms);
 }
 
 std::vector<std::string> JunctionView::lines(std::uint32_t now_ms) const {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// A running junction in words, from its frames alone: lamps, counts, forecasts, mode, faults, and who is silent.
+/// A running junction in words, from its frames alone: lamps, counts, forecasts, what neighbours announce, mode,
+/// faults, and who is silent.
 ///
 /// Judges no more than whether a frame is whole: it is for people who look on, and says nothing to anybody. Needs the
 /// site for names and for what belongs together.
@@ -79,6 +80,7 @@ class JunctionView {
         }
     };
 
+    void hear_approach(const elmopp_frame_t &frame, std::uint32_t now_ms);
     void hear_status(const elmopp_frame_t &frame, std::uint32_t now_ms);
     void hear_forecast(const elmopp_frame_t &frame, unsigned approach, std::uint32_t now_ms);
     [[nodiscard]] std::string status_line(std::uint32_t now_ms) const;
@@ -87,6 +89,7 @@ class JunctionView {
     [[nodiscard]] std::string approach_line(std::uint32_t approach, std::uint32_t now_ms) const;
     [[nodiscard]] std::string counts_of(std::uint32_t approach, std::uint32_t now_ms) const;
     [[nodiscard]] std::string forecast_of(std::uint32_t approach, std::uint32_t now_ms) const;
+    [[nodiscard]] std::string neighbour_of(std::uint32_t approach, std::uint32_t now_ms) const;
 
     const elmopp_junction_t &junction_;
     Latest<Status> status_;
@@ -95,6 +98,7 @@ class JunctionView {
     std::array<Latest<elmopp_feedback_t>, ELMOPP_NODE_MAX> feedback_;
     std::array<Latest<Counts>, ELMOPP_APPROACH_MAX> counts_;
     std::array<Latest<Forecast>, ELMOPP_APPROACH_MAX> forecast_;
+    std::array<Latest<elmopp_outflow_t>, ELMOPP_APPROACH_MAX> outflow_;
     std::uint64_t spoilt_ = 0;
 };
 
