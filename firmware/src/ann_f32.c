@@ -3,27 +3,16 @@
 
 #include "elmopp/ann_f32.h"
 
+#include "elmopp/dense.h"
 #include "elmopp/elementary.h"
+
+#include <assert.h>
 
 #define ANN_UNITS ELMOPP_ANN_UNITS
 #define ANN_WINDOW ELMOPP_ANN_WINDOW_S
 #define ANN_NEWEST (ELMOPP_ANN_WINDOW_S - 1U)
 
-/* Adds the rows of `count` inputs, in index order. A compiler sees that the sums of its own are no weights. */
-static void add_rows(const float (*row)[ANN_UNITS], const float *input, uint32_t count, float sum[ANN_UNITS]) {
-    float total[ANN_UNITS];
-    for (uint32_t r = 0U; r < ANN_UNITS; r++) {
-        total[r] = sum[r];
-    }
-    for (uint32_t k = 0U; k < count; k++) {
-        for (uint32_t r = 0U; r < ANN_UNITS; r++) {
-            total[r] += row[k][r] * input[k];
-        }
-    }
-    for (uint32_t r = 0U; r < ANN_UNITS; r++) {
-        sum[r] = total[r];
-    }
-}
+static_assert(ELMOPP_ANN_UNITS == ELMOPP_DENSE_UNITS, "hidden layers are dense");
 
 static void begin_with(const float bias[ANN_UNITS], float sum[ANN_UNITS]) {
     for (uint32_t r = 0U; r < ANN_UNITS; r++) {
@@ -37,11 +26,11 @@ void elmopp_ann_f32_next(const elmopp_ann_f32_weights_t *weights, const float *c
     float second[ANN_UNITS];
     begin_with(weights->first_bias, first);
     for (uint32_t i = 0U; i < ELMOPP_ANN_INPUTS; i++) {
-        add_rows(&weights->first_row[i * ANN_WINDOW], past[i], ANN_WINDOW, first);
+        elmopp_dense_add(&weights->first_row[i * ANN_WINDOW], past[i], ANN_WINDOW, first);
     }
     elmopp_tanh_each(first, ANN_UNITS);
     begin_with(weights->second_bias, second);
-    add_rows(weights->second_row, first, ANN_UNITS, second);
+    elmopp_dense_add(weights->second_row, first, ANN_UNITS, second);
     elmopp_tanh_each(second, ANN_UNITS);
     for (uint32_t i = 0U; i < ELMOPP_ANN_INPUTS; i++) {
         float change = weights->head_bias[i];

@@ -4,13 +4,17 @@
 #include "elmopp/gcn_f32.h"
 
 #include "elmopp/assert.h"
+#include "elmopp/dense.h"
 #include "elmopp/elementary.h"
 
+#include <assert.h>
 #include <stdbool.h>
 
 #define GCN_UNITS ELMOPP_GCN_UNITS
 #define GCN_NODES ELMOPP_GCN_NODES_MAX
 #define GCN_NEWEST (ELMOPP_GCN_WINDOW_S - 1U)
+
+static_assert(ELMOPP_GCN_UNITS == ELMOPP_DENSE_UNITS, "convolutions are dense");
 
 static bool are_joined(const uint8_t joined[GCN_NODES], uint32_t a, uint32_t b) {
     return (a == b) || ((((uint32_t)joined[a] >> b) & 1U) != 0U);
@@ -37,22 +41,6 @@ void elmopp_gcn_f32_join(elmopp_gcn_f32_graph_t *graph, uint32_t nodes, const ui
     }
 }
 
-/* Adds the rows of `count` inputs, in index order. A compiler sees that the sums of its own are no weights. */
-static void add_weighted(const float (*row)[GCN_UNITS], const float *input, uint32_t count, float sum[GCN_UNITS]) {
-    float total[GCN_UNITS];
-    for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-        total[r] = sum[r];
-    }
-    for (uint32_t k = 0U; k < count; k++) {
-        for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-            total[r] += row[k][r] * input[k];
-        }
-    }
-    for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-        sum[r] = total[r];
-    }
-}
-
 /* What a node has made of its own inputs: its own sum, and what it passes on. */
 typedef struct {
     float own[GCN_UNITS];
@@ -67,8 +55,8 @@ static gcn_sum_t prepare(const float bias[GCN_UNITS], const float (*own)[GCN_UNI
         sum.own[r] = bias[r];
         sum.passed[r] = 0.0F;
     }
-    add_weighted(own, input, count, sum.own);
-    add_weighted(passed, input, count, sum.passed);
+    elmopp_dense_add(own, input, count, sum.own);
+    elmopp_dense_add(passed, input, count, sum.passed);
     return sum;
 }
 

@@ -441,12 +441,14 @@ int main(int argc, char **argv) {
     count_ticks("tick_worst.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
     count_ticks("tick_worst.cumulative:nlstm", make_cumulative, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
     count_ticks("tick_worst.cumulative:nlstm-q15", make_cumulative, ELMOPP_FORECAST_NLSTM_Q15, &elmopp_site_paper);
+    count_ticks("tick_worst.cumulative:gcn", make_cumulative, ELMOPP_FORECAST_GCN, &elmopp_site_paper);
     count_ticks("tick_worst.pressure", make_pressure, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
     count_ticks("tick_worst.priced", make_priced, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
     count_ticks("tick_worst.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:lstm-q15", make_rollout, ELMOPP_FORECAST_LSTM_Q15, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:nlstm-q15", make_rollout, ELMOPP_FORECAST_NLSTM_Q15, &elmopp_site_paper);
+    count_ticks("tick_worst.rollout:gcn", make_rollout, ELMOPP_FORECAST_GCN, &elmopp_site_paper);
     count_ticks("tick_two_groups.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
     count_ticks("tick_two_groups.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
     count_street((uint8_t)ELMOPP_FORECAST_LSTM);

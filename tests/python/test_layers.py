@@ -24,6 +24,7 @@ LEVELS = {
     "lamps": 0,
     "mode": 0,
     "lstm_shape": 0,
+    "dense": 0,
     "lstm_kernel": 0,
     "lstm_q15_table": 0,
     "lstm_q15_kernel": 0,

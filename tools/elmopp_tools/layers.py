@@ -24,6 +24,7 @@ LEVEL_0 = frozenset(
         "assert",
         "bounds",
         "chooser",
+        "dense",
         "elementary",
         "fault",
         "gaps",
@@ -47,6 +48,7 @@ ROOMS: dict[str, frozenset[str]] = {
     # level 0: nothing above
     "assert": frozenset(),
     "bounds": frozenset(),
+    "dense": frozenset(),
     "elementary": frozenset(),
     "fault": frozenset(),
     "image": frozenset(),
