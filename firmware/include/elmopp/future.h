@@ -22,6 +22,9 @@
 /// The cost V is the sum of all queues over the seconds, and x^2 / 2s for each queue x that is left at the horizon:
 /// what it costs at least until it has gone at its flow s.
 ///
+/// It is played from event to event: who goes and how fast is listed and holds until something changes, and the rule is
+/// asked again only when another stage could press enough by then, which is never later than it would answer otherwise.
+///
 /// What it never does: decide, observe, touch a lamp. One future takes at most horizon_s times (stages + movements)
 /// steps, and as many more for each pair that gives way. It owns fixed memory of about 5 kB; sight and table belong to
 /// the caller. Not thread-safe.

@@ -4,8 +4,8 @@
 /// Bus clock: the time comes over the bus, and what was decided goes out in full. For comparing logs.
 ///
 /// One SimTime is one lamp tick, answered by LampCommand; SimTime 0 is none and begins anew. Before the answer to the
-/// tick after a decision, with the Forecast frames, come DecisionTrace frames with the floats of the decision log. Never part of an image that drives
-/// a street: a frame could stop its clock.
+/// tick after a decision, with the Forecast frames, come DecisionTrace frames with the floats of the decision log.
+/// Never part of an image that drives a street: a frame could stop its clock.
 ///
 /// Pure translations; no state but the sender's counter.
 

@@ -99,8 +99,8 @@ class StreetLog {
         }
     }
 
-    /// What was decided a lamp tick ago, when the minute is foreseen, with what the lamps show now. A full disk stops no
-    /// lamps: it is said once.
+    /// What was decided a lamp tick ago, when the minute is foreseen, with what the lamps show now. A full disk stops
+    /// no lamps: it is said once.
     void write(const elmopp_controller_t &controller) {
         if (wanted_ && out_) {
             out_ << decision_line(decision_of(controller, seconds_++)) << "}\n" << std::flush;
