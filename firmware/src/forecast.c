@@ -125,9 +125,16 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
 }
 
 void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew) {
+    elmopp_learner_t *learner = self->config.learner;
     self->config.weights = weights;
     arm(self);
-    self->config.learner = NULL; /* what it learnt began with the weights before */
+    if ((learner != NULL) && self->armed && anew) {
+        elmopp_learner_begin(learner, weights);
+    } else if (learner != NULL) {
+        elmopp_learner_move(learner, weights);
+    } else {
+        /* nobody learns */
+    }
     if (anew) {
         (void)memset(self->memory, 0, sizeof self->memory);
         (void)memset(self->whole_memory, 0, sizeof self->whole_memory);
@@ -174,8 +181,20 @@ static void remember(elmopp_forecast_t *self) {
     }
     elmopp_learner_t *learner = learner_of(self);
     if (learner != NULL) {
-        elmopp_learner_see(learner, &second, self->memory);
+        elmopp_learner_see(learner, &second);
     }
+}
+
+void elmopp_forecast_learn(elmopp_forecast_t *self) {
+    elmopp_learner_t *learner = learner_of(self);
+    if (learner != NULL) {
+        elmopp_learner_work(learner, self->memory);
+    }
+}
+
+bool elmopp_forecast_is_learnt(const elmopp_forecast_t *self) {
+    const elmopp_learner_t *learner = learner_of(self);
+    return (learner != NULL) && elmopp_learner_is_in_use(learner);
 }
 
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh) {
@@ -244,8 +263,8 @@ typedef struct {
 } free_run_t;
 
 static free_run_t begin_run(const elmopp_forecast_t *self, uint32_t group) {
-    const elmopp_learner_t *learner = learner_of(self);
-    const bool learnt = (learner != NULL) && elmopp_learner_is_in_use(learner);
+    const elmopp_learner_t *learner = self->config.learner;
+    const bool learnt = elmopp_forecast_is_learnt(self);
     return (free_run_t){.net = learnt ? elmopp_trainer_net(&learner->trainer)
                                       : elmopp_lstm_f32_net(&self->config.weights->lstm),
                         .f32 = learnt ? learner->memory[group] : self->memory[group],
