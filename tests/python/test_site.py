@@ -542,7 +542,7 @@ def test_a_site_that_learns_on_says_so_in_its_last_word(tmp_path: Path, chooser:
     assert main([str(write_site(tmp_path, text)), "--c", str(c_file), "--image", str(image)]) == 0
     assert ".learning = 1U," in c_file.read_text()
     assert image.read_bytes()[-4:] == bytes([1, 0, 0, 0])
-    assert compile_and_dump(c_file, "elmopp_site_site", tmp_path) == image.read_bytes()[16:]
+    assert compile_and_dump(c_file, "elmopp_site_cross", tmp_path) == image.read_bytes()[16:]
 
 
 def test_simulation_only_site_may_have_zero_times(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -590,7 +590,7 @@ def test_who_gives_way_is_said_by_name_and_share(tmp_path: Path, capsys: pytest.
     assert alone.movements[1].gives_way_percent == 100
     silent = load_site(write_site(tmp_path))[0]
     assert all(item.gives_way == item.gives_way_percent == 0 for item in silent.movements)
-    assert image_bytes(junction)[-96:] == struct.pack("<24I", 0, 0b1, *[0] * 22)
+    assert image_bytes(junction)[-100:-4] == struct.pack("<24I", 0, 0b1, *[0] * 22)
 
 
 def test_own_saturation_is_per_lane_too(tmp_path: Path) -> None:
