@@ -217,7 +217,8 @@ ChooserSpec site_chooser(const elmopp_junction_t &junction) {
     // In the order of ELMOPP_CHOOSER_* and ELMOPP_FORECAST_*.
     static const std::array<const char *, ELMOPP_CHOOSER_COUNT> names{"naive", "cumulative", "pressure", "priced",
                                                                       "rollout"};
-    ChooserSpec spec{names.at(junction.chooser), {}, forecast_names().at(junction.forecast)};
+    const std::string learning = junction.learning != 0 ? "-learn" : "";
+    ChooserSpec spec{names.at(junction.chooser), {}, forecast_names().at(junction.forecast) + learning};
     spec.forecast = find_kind(spec.name).forecasts ? spec.forecast : "none";
     return spec;
 }

@@ -89,6 +89,7 @@ void judge_forecast(const std::string &name, const elmopp_weights_t *weights, co
     Arrivals arrivals(scenario, demand);
     for (std::size_t point = demand.origin - ELMOPP_FORECAST_MEAN_WINDOW_S; point < demand.origin; ++point) {
         elmopp_forecast_observe(&forecast, arrivals.at(point));
+        elmopp_forecast_learn(&forecast);
     }
     for (std::size_t t = 0; t < simulated_points; ++t) {
         check_interrupt();
@@ -96,6 +97,7 @@ void judge_forecast(const std::string &name, const elmopp_weights_t *weights, co
         std::array<const float *, ELMOPP_APPROACH_MAX> rows{};
         (void)elmopp_forecast_look(&forecast, horizons_s.back(), rows.data());
         judge_second(rows, demand, t, squared);
+        elmopp_forecast_learn(&forecast);
     }
 }
 

@@ -46,6 +46,7 @@ Foresight foresee(const Foreseen &asked) {
         if (!elmopp_pilot_step(&pilot, &counts, nullptr)) {
             throw Failure("second " + std::to_string(t) + ": the pilot refused the counts");
         }
+        elmopp_pilot_learn(&pilot);
         foresight.distrusted_s += pilot.foresight == ELMOPP_FORESIGHT_DISTRUSTED ? 1U : 0U;
     }
     return foresight;

@@ -73,17 +73,30 @@ class Spoken {
         elmopp_forecast_init(&forecast_, &scenario.junction, &config);
         for (std::size_t point = demand.origin - known_s; point < demand.origin; ++point) {
             elmopp_forecast_observe(&forecast_, arrivals_.at(point));
+            elmopp_forecast_learn(&forecast_);
         }
     }
 
-    /// Adds the squared errors of what is said in second t.
+    /// Adds the squared errors of what is said in second t, if it is judged; then learns from it.
     void second(std::size_t t, bool is_judged, Errors &squared) {
         elmopp_forecast_observe(&forecast_, arrivals_.at(demand_.origin + t));
-        in_use_s_ += learning_ && elmopp_learner_is_in_use(learning_->learner()) ? 1.0 : 0.0;
-        std::array<const float *, ELMOPP_APPROACH_MAX> rows{};
-        if (!is_judged) {
-            return;
+        in_use_s_ += elmopp_forecast_is_learnt(&forecast_) ? 1.0 : 0.0;
+        if (is_judged) {
+            judge(t, squared);
         }
+        elmopp_forecast_learn(&forecast_);
+    }
+
+    [[nodiscard]] double in_use_s() const {
+        return in_use_s_;
+    }
+    [[nodiscard]] double given_up() const {
+        return learning_ ? static_cast<double>(learning_->learner()->given_up) : 0.0;
+    }
+
+  private:
+    void judge(std::size_t t, Errors &squared) {
+        std::array<const float *, ELMOPP_APPROACH_MAX> rows{};
         (void)elmopp_forecast_look(&forecast_, horizons_s.back(), rows.data());
         for (std::size_t i = 0; i < approaches; ++i) {
             const auto scale = static_cast<double>(demand_.mean_veh_per_s[i]);
@@ -95,14 +108,6 @@ class Spoken {
         }
     }
 
-    [[nodiscard]] double in_use_s() const {
-        return in_use_s_;
-    }
-    [[nodiscard]] double given_up() const {
-        return learning_ ? static_cast<double>(learning_->learner()->given_up) : 0.0;
-    }
-
-  private:
     std::unique_ptr<Learning> learning_;
     const Demand &demand_;
     Arrivals arrivals_;

@@ -111,6 +111,14 @@ elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmop
     return ELMOPP_STORE_FAILED;
 }
 
+uint32_t elmopp_port_save_min_s(void) {
+    return 0U;
+}
+
+elmopp_learning_t *elmopp_port_learning(void) {
+    return NULL;
+}
+
 void elmopp_port_say(const char *text) {
     (void)text;
 }

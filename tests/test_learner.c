@@ -52,7 +52,8 @@ static void second_of_waves(void) {
         }
         elmopp_lstm_f32_step(&elmopp_weights_lstm.lstm, &shipped_memory[group], second.input[group]);
     }
-    elmopp_learner_see(&learner, &second, shipped_memory);
+    elmopp_learner_see(&learner, &second);
+    elmopp_learner_work(&learner, shipped_memory);
     now_s++;
 }
 
@@ -211,7 +212,78 @@ static void test_a_stretch_can_be_run_again(void) {
 }
 
 static void test_it_takes_the_memory_that_was_promised(void) {
-    TEST_ASSERT_TRUE((sizeof learner + sizeof memory) <= 50000U);
+    TEST_ASSERT_TRUE(sizeof(elmopp_learning_t) <= 46000U);
+}
+
+/* --- when it works, and what outlives it --- */
+
+static void test_a_second_that_is_only_seen_is_not_learnt_from(void) {
+    seconds_of_waves(WINDOW + 1U);
+    const elmopp_learner_t before = learner;
+    static elmopp_trainer_memory_t memory_before;
+    memory_before = memory;
+    elmopp_learner_second_t second;
+    (void)memset(&second, 0, sizeof second);
+    elmopp_learner_see(&learner, &second);
+    TEST_ASSERT_EQUAL_MEMORY(&memory_before, &memory, sizeof memory);
+    TEST_ASSERT_EQUAL_UINT32(before.second, learner.second);
+    TEST_ASSERT_EQUAL_UINT32(before.trainer.samples, learner.trainer.samples);
+    TEST_ASSERT_EQUAL_UINT32(before.grown + 1U, learner.grown);
+}
+
+/* Learns until it is better, and leaves what it learnt. */
+static void learn_waves(elmopp_lstm_f32_weights_t *learnt) {
+    seconds_of_waves(LONG_S);
+    TEST_ASSERT_TRUE(elmopp_learner_is_in_use(&learner));
+    elmopp_learner_copy(&learner, learnt);
+}
+
+static void test_what_was_learnt_goes_on_where_it_was_and_is_used_from_the_beginning(void) {
+    elmopp_lstm_f32_weights_t learnt;
+    elmopp_lstm_f32_weights_t again;
+    learn_waves(&learnt);
+    begin(ELMOPP_LEARNER_CAREFUL, 4U);
+    elmopp_learner_resume(&learner, &learnt);
+    TEST_ASSERT_TRUE(elmopp_learner_is_in_use(&learner));
+    elmopp_learner_copy(&learner, &again);
+    TEST_ASSERT_EQUAL_MEMORY(&learnt, &again, sizeof learnt);
+    seconds_of_waves(WINDOW + (20U * CYCLE)); /* its first comparisons are in its favour */
+    TEST_ASSERT_TRUE(learner.error.judged >= ELMOPP_LEARNER_JUDGED_MIN);
+    TEST_ASSERT_TRUE(elmopp_learner_is_in_use(&learner));
+    TEST_ASSERT_EQUAL_UINT32(0U, learner.given_up);
+}
+
+static void test_what_was_learnt_and_is_no_good_falls_back_to_the_shipped_weights(void) {
+    elmopp_lstm_f32_weights_t bad = elmopp_weights_lstm.lstm;
+    for (uint32_t k = 0U; k < INPUTS; k++) {
+        bad.head_bias[k] = 3.5F;
+    }
+    elmopp_learner_resume(&learner, &bad);
+    while ((learner.given_up == 0U) && (now_s < 1000U)) {
+        second_of_waves();
+    }
+    TEST_ASSERT_EQUAL_UINT32(1U, learner.given_up);
+    TEST_ASSERT_FALSE(elmopp_learner_is_in_use(&learner));
+    elmopp_lstm_f32_weights_t trained;
+    elmopp_trainer_copy(&learner.trainer, &trained);
+    TEST_ASSERT_EQUAL_MEMORY(&elmopp_weights_lstm.lstm, &trained, sizeof trained);
+}
+
+static void test_it_is_worth_keeping_when_it_is_surely_better_and_in_use(void) {
+    TEST_ASSERT_FALSE(elmopp_learner_is_worth_keeping(&learner));
+    seconds_of_waves(LONG_S);
+    TEST_ASSERT_TRUE(elmopp_learner_is_worth_keeping(&learner));
+    const elmopp_learner_error_t error = learner.error;
+    learner.error.judged = ELMOPP_LEARNER_JUDGED_WINDOW - 1U;
+    TEST_ASSERT_FALSE(elmopp_learner_is_worth_keeping(&learner));
+    learner.error = error;
+    learner.error.learnt = (ELMOPP_LEARNER_WORTH + 0.001F) * error.shipped;
+    TEST_ASSERT_FALSE(elmopp_learner_is_worth_keeping(&learner));
+    learner.error.learnt = NAN;
+    TEST_ASSERT_FALSE(elmopp_learner_is_worth_keeping(&learner));
+    learner.error = error;
+    learner.in_use = false;
+    TEST_ASSERT_FALSE(elmopp_learner_is_worth_keeping(&learner));
 }
 
 /* --- as a forecast has it --- */
@@ -237,7 +309,9 @@ static void observe_waves(uint32_t seconds) {
             arrived_veh[j] = 0.1F * wave(junction.movement[j].approach);
         }
         elmopp_forecast_observe(&with, arrived_veh);
+        elmopp_forecast_learn(&with);
         elmopp_forecast_observe(&without, arrived_veh);
+        elmopp_forecast_learn(&without);
         now_s++;
     }
 }
@@ -264,6 +338,33 @@ static void test_a_forecast_that_learns_says_what_the_shipped_one_says_until_it_
     }
 }
 
+/* The same weights somewhere else change nothing; others are begun with anew. */
+static void test_a_forecast_that_gets_other_weights_learns_on_from_them(void) {
+    static elmopp_weights_t same;
+    static elmopp_weights_t other;
+    elmopp_lstm_f32_weights_t before;
+    elmopp_lstm_f32_weights_t after;
+    same = elmopp_weights_lstm;
+    other = elmopp_weights_lstm;
+    other.lstm.head_bias[0] += 0.25F;
+    start_forecasts();
+    observe_waves(LONG_S);
+    elmopp_learner_copy(&learner, &before);
+    elmopp_forecast_rearm(&with, &same, false);
+    elmopp_learner_copy(&learner, &after);
+    TEST_ASSERT_TRUE(elmopp_forecast_is_learnt(&with));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &after, sizeof before);
+    TEST_ASSERT_EQUAL_PTR(&same, learner.shipped);
+    elmopp_forecast_rearm(&with, &other, true);
+    TEST_ASSERT_EQUAL_PTR(&other, learner.shipped);
+    TEST_ASSERT_FALSE(elmopp_forecast_is_learnt(&with));
+    TEST_ASSERT_EQUAL_UINT32(4U, learner.inputs[0]);
+    elmopp_trainer_copy(&learner.trainer, &after);
+    TEST_ASSERT_EQUAL_MEMORY(&other.lstm, &after, sizeof after);
+    observe_waves(LONG_S);
+    TEST_ASSERT_TRUE(elmopp_forecast_is_learnt(&with));
+}
+
 static void test_a_forecast_with_a_learner_of_other_weights_is_a_bug(void) {
     start_forecasts();
     elmopp_forecast_config_t config = with.config;
@@ -284,7 +385,12 @@ int main(void) {
     RUN_TEST(test_two_groups_have_a_stretch_and_a_memory_each);
     RUN_TEST(test_a_stretch_can_be_run_again);
     RUN_TEST(test_it_takes_the_memory_that_was_promised);
+    RUN_TEST(test_a_second_that_is_only_seen_is_not_learnt_from);
+    RUN_TEST(test_what_was_learnt_goes_on_where_it_was_and_is_used_from_the_beginning);
+    RUN_TEST(test_what_was_learnt_and_is_no_good_falls_back_to_the_shipped_weights);
+    RUN_TEST(test_it_is_worth_keeping_when_it_is_surely_better_and_in_use);
     RUN_TEST(test_a_forecast_that_learns_says_what_the_shipped_one_says_until_it_is_better);
+    RUN_TEST(test_a_forecast_that_gets_other_weights_learns_on_from_them);
     RUN_TEST(test_a_forecast_with_a_learner_of_other_weights_is_a_bug);
     return UNITY_END();
 }

@@ -683,6 +683,54 @@ static void test_only_a_network_can_lose_trust(void) {
     TEST_ASSERT_EQUAL_FLOAT(2.0F, script.first_veh[0]);
 }
 
+/* --- when it learns --- */
+
+static elmopp_learner_t learner;
+static elmopp_trainer_memory_t trainer;
+
+static uint32_t works(void) {
+    return learner.second + (ELMOPP_LEARNER_CYCLE_S * learner.trainer.updates);
+}
+
+static void start_learning(void) {
+    static const float mean_veh_per_s[APPROACHES] = {1.0F, 1.0F};
+    elmopp_learner_init(&learner, &trainer, NULL, &elmopp_weights_lstm, ELMOPP_LEARNER_CAREFUL, APPROACHES);
+    const elmopp_forecast_config_t config = {.kind = ELMOPP_FORECAST_LSTM,
+                                             .mean_veh_per_s = mean_veh_per_s,
+                                             .weights = &elmopp_weights_lstm,
+                                             .learner = &learner};
+    start(0U, &config);
+    arrived_veh[0] = 1.0F;
+    for (uint32_t n = 0U; n <= (ELMOPP_TRAINER_WINDOW + 1U); n++) {
+        elmopp_pilot_absorb(&pilot, arrived_veh);
+    }
+}
+
+static void test_it_learns_in_the_fifth_lamp_tick_after_a_step_and_in_no_other(void) {
+    start_learning();
+    for (uint32_t n = 0U; n < 5U; n++) {
+        const uint32_t before = works();
+        step();
+        for (uint32_t tick = 1U; tick <= 12U; tick++) { /* also if the next step is late */
+            TEST_ASSERT_EQUAL_UINT32((tick > ELMOPP_PILOT_LEARN_DS) ? (before + 1U) : before, works());
+            lamp_ticks(1U);
+        }
+    }
+}
+
+static void test_a_second_is_learnt_from_once_and_a_blind_one_never(void) {
+    start_learning();
+    const uint32_t before = works();
+    step();
+    elmopp_pilot_learn(&pilot);
+    TEST_ASSERT_EQUAL_UINT32(before + 1U, works());
+    elmopp_pilot_learn(&pilot);
+    lamp_ticks(10U);
+    elmopp_pilot_step_blind(&pilot);
+    lamp_ticks(10U);
+    TEST_ASSERT_EQUAL_UINT32(before + 1U, works());
+}
+
 static void test_weights_that_cannot_be_used_are_told(void) {
     start_with(ELMOPP_FORECAST_NLSTM, 0U);
     arrived_veh[0] = 2.0F;
@@ -891,6 +939,8 @@ int main(void) {
     RUN_TEST(test_an_account_that_is_too_short_is_no_reason);
     RUN_TEST(test_trust_follows_the_account_against_the_mean);
     RUN_TEST(test_only_a_network_can_lose_trust);
+    RUN_TEST(test_it_learns_in_the_fifth_lamp_tick_after_a_step_and_in_no_other);
+    RUN_TEST(test_a_second_is_learnt_from_once_and_a_blind_one_never);
     RUN_TEST(test_weights_that_cannot_be_used_are_told);
     RUN_TEST(test_rows_from_outside_are_told);
     RUN_TEST(test_urgency_drives_the_lamps);

@@ -239,6 +239,28 @@ static void test_codes_are_known(void) {
     }
 }
 
+/* Only what somebody looks at, and what there is a learner for. */
+static void test_a_forecast_learns_that_can_and_that_somebody_looks_at(void) {
+    for (uint32_t chooser = 0U; chooser < ELMOPP_CHOOSER_COUNT; chooser++) {
+        for (uint32_t forecast = 0U; forecast < ELMOPP_FORECAST_COUNT; forecast++) {
+            site.chooser = (uint8_t)chooser;
+            site.forecast = (uint8_t)forecast;
+            site.learning = 0U;
+            expect_ok();
+            site.learning = 1U;
+            const bool looks = (chooser == ELMOPP_CHOOSER_CUMULATIVE) || (chooser == ELMOPP_CHOOSER_ROLLOUT);
+            TEST_ASSERT_EQUAL(looks, elmopp_junction_looks_ahead(&site));
+            if (looks && ((forecast == ELMOPP_FORECAST_LSTM) || (forecast == ELMOPP_FORECAST_NLSTM))) {
+                expect_ok();
+                site.learning = 2U;
+                expect(ELMOPP_SITE_COUNTS, 0U, 0U);
+            } else {
+                expect(ELMOPP_SITE_COUNTS, 0U, 0U);
+            }
+        }
+    }
+}
+
 static void test_greenshields_needs_a_free_flow_up_to_100(void) {
     const float good[] = {1.0e-6F, 10.0F, 100.0F};
     const float bad[] = {0.0F, -1.0F, 100.001F, INFINITY, NAN};
@@ -1019,6 +1041,7 @@ int main(void) {
     RUN_TEST(test_a_change_waits_ten_seconds_for_the_junction_at_most);
     RUN_TEST(test_detectors_may_have_any_limits);
     RUN_TEST(test_codes_are_known);
+    RUN_TEST(test_a_forecast_learns_that_can_and_that_somebody_looks_at);
     RUN_TEST(test_greenshields_needs_a_free_flow_up_to_100);
     RUN_TEST(test_every_name_that_exists_ends_with_a_zero_and_is_not_empty);
     RUN_TEST(test_a_street_discharges_by_saturation_flow);

@@ -10,10 +10,10 @@
 
 #include <string.h>
 
-#define BODY_SIZE 2308U
+#define BODY_SIZE 2312U
 #define IMAGE_SIZE (16U + BODY_SIZE)
 #define BODY_SIZE_1 1740U
-#define VERSION 4U
+#define VERSION 5U
 #define CANARY 0xA5
 
 static uint8_t image[IMAGE_SIZE + 1U];

@@ -4,6 +4,7 @@
 #include "elmopp/station.h"
 
 #include "bench.h"
+#include "elmopp_weights.h"
 #include "sites.h"
 
 #include "unity.h"
@@ -28,7 +29,9 @@ static const elmopp_forecast_config_t *forecast(void) {
 static void build(uint8_t chooser, uint8_t kind) {
     site.chooser = chooser;
     site.forecast = kind;
-    elmopp_station_init(&station, &site, &ar8, &weights);
+    const elmopp_station_weights_t none_learnt = {.base = &weights, .learnt = NULL};
+    const elmopp_station_room_t no_room = {.learning = NULL, .inner = NULL};
+    elmopp_station_init(&station, &site, &ar8, &none_learnt, &no_room);
 }
 
 static void test_naive_has_the_sites_window_and_no_forecast(void) {
@@ -80,6 +83,112 @@ static void test_the_rollout_has_the_sites_window_reach_and_forecast(void) {
     TEST_ASSERT_EQUAL_PTR(&weights, forecast()->weights);
 }
 
+/* --- learning on --- */
+
+static elmopp_learning_t learning;
+static elmopp_trainer_inner_memory_t inner;
+static elmopp_weights_t shipped;
+static elmopp_weights_t kept;
+static elmopp_station_room_t room;
+
+static void start_to_learn(uint8_t kind, const elmopp_weights_t *stored) {
+    site.chooser = ELMOPP_CHOOSER_ROLLOUT;
+    site.forecast = kind;
+    site.learning = 1U;
+    const elmopp_station_weights_t chosen = elmopp_station_weights(&site, &shipped, stored);
+    elmopp_station_init(&station, &site, &ar8, &chosen, &room);
+}
+
+static void start_with_room(void) {
+    room = (elmopp_station_room_t){.learning = &learning, .inner = &inner};
+    shipped = elmopp_weights_lstm;
+    kept = shipped;
+    kept.lstm.head_bias[1] += 0.5F;
+}
+
+static void test_a_site_that_learns_has_a_learner_that_begins_with_the_shipped_weights(void) {
+    start_with_room();
+    start_to_learn(ELMOPP_FORECAST_LSTM, NULL);
+    TEST_ASSERT_EQUAL_PTR(&learning.learner, forecast()->learner);
+    TEST_ASSERT_EQUAL_PTR(&shipped, learning.learner.shipped);
+    TEST_ASSERT_FALSE(elmopp_learner_is_in_use(&learning.learner));
+    TEST_ASSERT_TRUE(elmopp_station_learns_as_asked(&station));
+    site.learning = 0U;
+    const elmopp_station_weights_t chosen = {.base = &shipped, .learnt = NULL};
+    elmopp_station_init(&station, &site, &ar8, &chosen, &room);
+    TEST_ASSERT_NULL(forecast()->learner);
+    TEST_ASSERT_TRUE(elmopp_station_learns_as_asked(&station));
+}
+
+static void test_without_room_a_site_runs_with_the_weights_as_they_are_and_it_is_told(void) {
+    start_with_room();
+    room.learning = NULL;
+    start_to_learn(ELMOPP_FORECAST_LSTM, &kept);
+    TEST_ASSERT_NULL(forecast()->learner);
+    TEST_ASSERT_EQUAL_PTR(&shipped, forecast()->weights);
+    TEST_ASSERT_FALSE(elmopp_station_learns_as_asked(&station));
+    start_with_room();
+    room.inner = NULL; /* as a board has it */
+    shipped = elmopp_weights_nlstm;
+    start_to_learn(ELMOPP_FORECAST_NLSTM, NULL);
+    TEST_ASSERT_NULL(forecast()->learner);
+    TEST_ASSERT_FALSE(elmopp_station_learns_as_asked(&station));
+    room.inner = &inner;
+    start_to_learn(ELMOPP_FORECAST_NLSTM, NULL);
+    TEST_ASSERT_EQUAL_PTR(&learning.learner, forecast()->learner);
+    TEST_ASSERT_TRUE(elmopp_station_learns_as_asked(&station));
+}
+
+static void test_what_was_learnt_is_where_it_goes_on_and_the_shipped_weights_are_what_is_watched(void) {
+    elmopp_lstm_f32_weights_t used;
+    start_with_room();
+    start_to_learn(ELMOPP_FORECAST_LSTM, &kept);
+    TEST_ASSERT_EQUAL_PTR(&shipped, forecast()->weights);
+    TEST_ASSERT_EQUAL_PTR(&shipped, learning.learner.shipped);
+    TEST_ASSERT_TRUE(elmopp_learner_is_in_use(&learning.learner));
+    elmopp_learner_copy(&learning.learner, &used);
+    TEST_ASSERT_EQUAL_MEMORY(&kept.lstm, &used, sizeof used);
+}
+
+static void test_what_was_kept_and_not_learnt_from_the_shipped_weights_takes_their_place(void) {
+    start_with_room();
+    kept.gcn.head[0] += 0.5F; /* somebody sent it */
+    start_to_learn(ELMOPP_FORECAST_LSTM, &kept);
+    TEST_ASSERT_EQUAL_PTR(&kept, forecast()->weights);
+    TEST_ASSERT_EQUAL_PTR(&kept, learning.learner.shipped);
+    TEST_ASSERT_FALSE(elmopp_learner_is_in_use(&learning.learner));
+    kept = elmopp_weights_nlstm; /* of no use at this site */
+    start_to_learn(ELMOPP_FORECAST_LSTM, &kept);
+    TEST_ASSERT_EQUAL_PTR(&shipped, forecast()->weights);
+}
+
+static void test_a_site_that_does_not_learn_uses_what_was_kept_as_it_is(void) {
+    start_with_room();
+    site.learning = 0U;
+    site.forecast = ELMOPP_FORECAST_LSTM;
+    const elmopp_station_weights_t chosen = elmopp_station_weights(&site, &shipped, &kept);
+    TEST_ASSERT_EQUAL_PTR(&kept, chosen.base);
+    TEST_ASSERT_NULL(chosen.learnt);
+}
+
+static void test_other_weights_in_the_middle_are_learnt_on_from_and_what_was_learnt_comes_back(void) {
+    static elmopp_weights_t sent;
+    start_with_room();
+    start_to_learn(ELMOPP_FORECAST_LSTM, &kept);
+    sent = shipped;
+    sent.gcn.head[0] += 0.5F;
+    const elmopp_station_weights_t trial = elmopp_station_weights(&site, &shipped, &sent);
+    elmopp_station_use_weights(&station, &trial);
+    TEST_ASSERT_EQUAL_PTR(&sent, forecast()->weights);
+    TEST_ASSERT_EQUAL_PTR(&sent, learning.learner.shipped);
+    TEST_ASSERT_FALSE(elmopp_learner_is_in_use(&learning.learner));
+    const elmopp_station_weights_t withdrawn = elmopp_station_weights(&site, &shipped, &kept);
+    elmopp_station_use_weights(&station, &withdrawn);
+    TEST_ASSERT_EQUAL_PTR(&shipped, learning.learner.shipped);
+    TEST_ASSERT_TRUE(elmopp_learner_is_in_use(&learning.learner));
+    TEST_ASSERT_EQUAL_MEMORY(kept.lstm.head_bias, learning.trainer.weight.head_bias, sizeof kept.lstm.head_bias);
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_naive_has_the_sites_window_and_no_forecast);
@@ -87,5 +196,11 @@ int main(void) {
     RUN_TEST(test_pressure_has_the_sites_window);
     RUN_TEST(test_priced_has_the_sites_window_and_no_forecast);
     RUN_TEST(test_the_rollout_has_the_sites_window_reach_and_forecast);
+    RUN_TEST(test_a_site_that_learns_has_a_learner_that_begins_with_the_shipped_weights);
+    RUN_TEST(test_without_room_a_site_runs_with_the_weights_as_they_are_and_it_is_told);
+    RUN_TEST(test_what_was_learnt_is_where_it_goes_on_and_the_shipped_weights_are_what_is_watched);
+    RUN_TEST(test_what_was_kept_and_not_learnt_from_the_shipped_weights_takes_their_place);
+    RUN_TEST(test_a_site_that_does_not_learn_uses_what_was_kept_as_it_is);
+    RUN_TEST(test_other_weights_in_the_middle_are_learnt_on_from_and_what_was_learnt_comes_back);
     return UNITY_END();
 }

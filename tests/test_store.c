@@ -380,6 +380,35 @@ static void test_a_flipped_bit_in_the_newest_slot_leaves_the_one_before(void) {
     TEST_ASSERT_EQUAL_UINT32(32U, ignored);
 }
 
+/* Damage is what was whole once: not an older slot, not one without its mark, and nothing that a cut leaves. */
+static void test_a_newest_slot_that_was_whole_and_is_not_is_told_as_damaged(void) {
+    start();
+    TEST_ASSERT_FALSE(elmopp_store_is_damaged(&store));
+    save_surely(1U);
+    save_surely(2U);
+    bytes[ELMOPP_STORE_HEAD + 20U] ^= 1U; /* the older one */
+    power_up();
+    TEST_ASSERT_FALSE(elmopp_store_is_damaged(&store));
+    bytes[SLOT_BYTES + ELMOPP_STORE_HEAD + 20U] ^= 1U;
+    power_up();
+    TEST_ASSERT_EQUAL_UINT32(0U, content());
+    TEST_ASSERT_TRUE(elmopp_store_is_damaged(&store));
+    bytes[ELMOPP_STORE_HEAD + 20U] ^= 1U;
+    power_up();
+    TEST_ASSERT_EQUAL_UINT32(1U, content());
+    TEST_ASSERT_TRUE(elmopp_store_is_damaged(&store));
+    save_surely(3U); /* newer than the damage */
+    power_up();
+    TEST_ASSERT_FALSE(elmopp_store_is_damaged(&store));
+    bytes[(2U * SLOT_BYTES) + 8U] ^= 1U; /* without its mark */
+    power_up();
+    TEST_ASSERT_EQUAL_UINT32(1U, content());
+    TEST_ASSERT_TRUE(elmopp_store_is_damaged(&store)); /* slot 2 again */
+    medium.bytes = NULL;
+    power_up();
+    TEST_ASSERT_FALSE(elmopp_store_is_damaged(&store));
+}
+
 static void test_rubbish_is_nothing(void) {
     for (uint32_t i = 0U; i < 2000U; i++) {
         for (uint32_t k = 0U; k < MEDIUM_BYTES; k++) {
@@ -431,6 +460,7 @@ static void expect_one_of(uint32_t was, uint32_t will, const char *otherwise) {
     power_up();
     const bool old = content() == was;
     TEST_ASSERT_TRUE_MESSAGE(old || (content() == will), otherwise);
+    TEST_ASSERT_FALSE_MESSAGE(elmopp_store_is_damaged(&store), "a cut is no damage");
     outcomes[old ? 0U : 1U]++;
 }
 
@@ -507,6 +537,7 @@ int main(void) {
     RUN_TEST(test_whatever_order_fails_the_old_image_stays_and_the_next_save_succeeds);
     RUN_TEST(test_a_sector_that_cannot_be_erased_is_left_alone_and_the_other_one_used);
     RUN_TEST(test_a_flipped_bit_in_the_newest_slot_leaves_the_one_before);
+    RUN_TEST(test_a_newest_slot_that_was_whole_and_is_not_is_told_as_damaged);
     RUN_TEST(test_rubbish_is_nothing);
     RUN_TEST(test_a_cut_at_every_step_and_within_every_step_leaves_the_old_image_or_the_new_one);
     return UNITY_END();

@@ -195,6 +195,26 @@ static void test_a_fault_that_does_not_exist_has_a_name_too(void) {
     }
 }
 
+/* Learning changes the recurrent network and nothing else. */
+static void test_weights_may_be_learnt_from_those_that_differ_in_the_recurrent_network_alone(void) {
+    static elmopp_weights_t learnt;
+    learnt = elmopp_weights_lstm;
+    TEST_ASSERT_TRUE(elmopp_weights_are_learnt_from(&learnt, &elmopp_weights_lstm));
+    learnt.lstm.head_bias[0] += 1.0F;
+    learnt.lstm.inner[ELMOPP_LSTM_LEVELS_MAX - 2U].bias[0] += 1.0F;
+    TEST_ASSERT_TRUE(elmopp_weights_are_learnt_from(&learnt, &elmopp_weights_lstm));
+    TEST_ASSERT_FALSE(elmopp_weights_are_learnt_from(&learnt, &elmopp_weights_nlstm));
+    uint8_t *byte = (uint8_t *)&learnt;
+    for (uint32_t at = 0U; at < sizeof learnt; at++) {
+        const bool is_network = (at >= offsetof(elmopp_weights_t, lstm)) && (at < offsetof(elmopp_weights_t, ann));
+        const bool is_levels = (at >= offsetof(elmopp_weights_t, lstm.levels)) &&
+                               (at < (offsetof(elmopp_weights_t, lstm.levels) + sizeof learnt.lstm.levels));
+        byte[at] ^= 0x10U;
+        TEST_ASSERT_EQUAL(is_network && (!is_levels), elmopp_weights_are_learnt_from(&learnt, &elmopp_weights_lstm));
+        byte[at] ^= 0x10U;
+    }
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_shipped_weights_pass_and_come_back_byte_for_byte);
@@ -207,5 +227,6 @@ int main(void) {
     RUN_TEST(test_a_clamp_must_be_a_range_of_vehicles);
     RUN_TEST(test_every_fault_has_a_name_of_its_own);
     RUN_TEST(test_a_fault_that_does_not_exist_has_a_name_too);
+    RUN_TEST(test_weights_may_be_learnt_from_those_that_differ_in_the_recurrent_network_alone);
     return UNITY_END();
 }

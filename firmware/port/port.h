@@ -13,6 +13,7 @@
 #define ELMOPP_PORT_H
 
 #include "elmopp/controller.h"
+#include "elmopp/learner.h"
 #include "elmopp/store.h"
 #include "elmopp/transfer.h"
 
@@ -63,6 +64,13 @@ elmopp_store_medium_t elmopp_port_medium(elmopp_transfer_kind_t kind);
 /// Carries out one order to such a medium, without waiting for longer than a word takes; an erase, which takes longer,
 /// only comes before the first lamp tick.
 elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmopp_store_order_t *order);
+
+/// The least time between two stores of what was learnt, and before the first, by what the medium endures. Seconds.
+uint32_t elmopp_port_save_min_s(void);
+
+/// Room for learning on with a network of one level, 46 kB that nobody else uses; null: the board has none, and a site
+/// that asks for it runs with the weights as they are.
+elmopp_learning_t *elmopp_port_learning(void);
 
 /// A line for people, if the board has somewhere to say it: at most what fits at once, the rest is lost.
 void elmopp_port_say(const char *text);

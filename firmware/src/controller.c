@@ -509,8 +509,9 @@ static uint8_t model_of(const elmopp_controller_t *self) {
                                                [ELMOPP_FORESIGHT_COLD] = (uint8_t)ELMOPP_MODEL_COLD,
                                                [ELMOPP_FORESIGHT_UNARMED] = (uint8_t)ELMOPP_MODEL_UNARMED,
                                                [ELMOPP_FORESIGHT_DISTRUSTED] = (uint8_t)ELMOPP_MODEL_DISTRUSTED};
-    return (self->pilot.foresight == ELMOPP_FORESIGHT_OWN) ? self->pilot.forecast.config.kind
-                                                           : models[self->pilot.foresight];
+    const elmopp_forecast_t *forecast = &self->pilot.forecast;
+    const uint8_t own = elmopp_forecast_is_learnt(forecast) ? (uint8_t)ELMOPP_MODEL_LEARNT : forecast->config.kind;
+    return (self->pilot.foresight == ELMOPP_FORESIGHT_OWN) ? own : models[self->pilot.foresight];
 }
 
 static elmopp_outlook_t outlook_on(const elmopp_controller_t *self, uint32_t approach) {

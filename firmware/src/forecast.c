@@ -125,9 +125,17 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
 }
 
 void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew) {
+    elmopp_learner_t *learner = self->config.learner;
     self->config.weights = weights;
+    self->said_s = 0U; /* what the old weights have begun to foresee, the new ones do not carry on */
     arm(self);
-    self->config.learner = NULL; /* what it learnt began with the weights before */
+    if ((learner != NULL) && self->armed && anew) {
+        elmopp_learner_begin(learner, weights);
+    } else if (learner != NULL) {
+        elmopp_learner_move(learner, weights);
+    } else {
+        /* nobody learns */
+    }
     if (anew) {
         (void)memset(self->memory, 0, sizeof self->memory);
         (void)memset(self->whole_memory, 0, sizeof self->whole_memory);
@@ -174,8 +182,20 @@ static void remember(elmopp_forecast_t *self) {
     }
     elmopp_learner_t *learner = learner_of(self);
     if (learner != NULL) {
-        elmopp_learner_see(learner, &second, self->memory);
+        elmopp_learner_see(learner, &second);
     }
+}
+
+void elmopp_forecast_learn(elmopp_forecast_t *self) {
+    elmopp_learner_t *learner = learner_of(self);
+    if (learner != NULL) {
+        elmopp_learner_work(learner, self->memory);
+    }
+}
+
+bool elmopp_forecast_is_learnt(const elmopp_forecast_t *self) {
+    const elmopp_learner_t *learner = learner_of(self);
+    return (learner != NULL) && elmopp_learner_is_in_use(learner);
 }
 
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh) {
@@ -236,14 +256,8 @@ static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uin
     }
 }
 
-/* Whether what is said is by the learnt weights. */
-static bool is_learnt(const elmopp_forecast_t *self) {
-    const elmopp_learner_t *learner = learner_of(self);
-    return (learner != NULL) && elmopp_learner_is_in_use(learner);
-}
-
 static void begin_run(elmopp_forecast_t *self, uint32_t group) {
-    self->run.f32[group] = is_learnt(self) ? self->config.learner->memory[group] : self->memory[group];
+    self->run.f32[group] = elmopp_forecast_is_learnt(self) ? self->config.learner->memory[group] : self->memory[group];
     self->run.q15[group] = self->whole_memory[group];
 }
 
@@ -267,8 +281,9 @@ static void run_on(elmopp_forecast_t *self, const elmopp_lstm_f32_net_t *net, ui
 /* Runs one group's recurrent network on its own output, from a copy of its memory. */
 static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, uint32_t from, uint32_t steps) {
     const elmopp_weights_t *weights = self->config.weights;
-    const elmopp_lstm_f32_net_t net =
-        is_learnt(self) ? elmopp_trainer_net(&self->config.learner->trainer) : elmopp_lstm_f32_net(&weights->lstm);
+    const elmopp_lstm_f32_net_t net = elmopp_forecast_is_learnt(self)
+                                          ? elmopp_trainer_net(&self->config.learner->trainer)
+                                          : elmopp_lstm_f32_net(&weights->lstm);
     float *said = self->run.said[group];
     if (from == 0U) {
         begin_run(self, group);

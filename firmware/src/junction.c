@@ -8,6 +8,11 @@
 /* Load at which the Greenshields parabola k (1 - k) is highest. */
 #define GREENSHIELDS_TOP 0.5F
 
+bool elmopp_junction_looks_ahead(const elmopp_junction_t *junction) {
+    return (junction->chooser == (uint8_t)ELMOPP_CHOOSER_CUMULATIVE) ||
+           (junction->chooser == (uint8_t)ELMOPP_CHOOSER_ROLLOUT);
+}
+
 float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh) {
     ELMOPP_ASSERT(movement < junction->movement_count);
     const float capacity_veh = junction->movement[movement].capacity_veh;

@@ -71,6 +71,7 @@ static void use_stored_site(elmopp_keeper_t *self) {
 static void open_store(elmopp_keeper_t *self, elmopp_transfer_kind_t kind, const elmopp_store_medium_t *medium) {
     elmopp_store_t *store = &self->store[store_of(kind)];
     elmopp_store_init(store, medium, image_kind(kind));
+    self->damaged[store_of(kind)] = elmopp_store_is_damaged(store);
     if (!medium->erases_any_time) {
         elmopp_store_tidy(store);
     }
@@ -95,6 +96,10 @@ const elmopp_junction_t *elmopp_keeper_site(const elmopp_keeper_t *self) {
 
 const elmopp_weights_t *elmopp_keeper_weights(const elmopp_keeper_t *self) {
     return (self->weights_image == NULL) ? NULL : weights_of(self->weights_image);
+}
+
+bool elmopp_keeper_is_damaged(const elmopp_keeper_t *self, elmopp_transfer_kind_t kind) {
+    return self->damaged[store_of(kind)];
 }
 
 /* --- how it stands --- */
@@ -381,7 +386,9 @@ elmopp_transfer_reason_t elmopp_keeper_save(elmopp_keeper_t *self, const elmopp_
                                             const elmopp_weights_t *weights) {
     const elmopp_transfer_reason_t reason = why_not_save(self, controller, weights);
     if (reason == ELMOPP_TRANSFER_NO_REASON) {
-        (void)memcpy(&buffer_of(self)[ELMOPP_IMAGE_HEADER], (const uint8_t *)weights, sizeof *weights);
+        if (weights != weights_of(buffer_of(self))) {
+            (void)memcpy(&buffer_of(self)[ELMOPP_IMAGE_HEADER], (const uint8_t *)weights, sizeof *weights);
+        }
         elmopp_image_seal(elmopp_weights_kind(), buffer_of(self));
         self->told.kind = ELMOPP_TRANSFER_WEIGHTS;
         self->learned = true;
@@ -390,6 +397,42 @@ elmopp_transfer_reason_t elmopp_keeper_save(elmopp_keeper_t *self, const elmopp_
         ELMOPP_ASSERT(begun);
     }
     return reason;
+}
+
+/* --- what is learnt here --- */
+
+/* Null: nobody learns, or it is not worth it, or not now. */
+static const elmopp_learner_t *worth_keeping(const elmopp_controller_t *controller) {
+    const elmopp_pilot_t *pilot = &controller->pilot;
+    const elmopp_learner_t *learner = pilot->forecast.config.learner;
+    const bool worth = (learner != NULL) && (pilot->foresight == ELMOPP_FORESIGHT_OWN) && (!has_fault(controller)) &&
+                       elmopp_learner_is_worth_keeping(learner);
+    return worth ? learner : NULL;
+}
+
+/* Whether learning may have a slot now. */
+static bool may_save(const elmopp_keeper_t *self) {
+    const elmopp_store_medium_t *medium = &self->store[WEIGHTS].medium;
+    const uint32_t slots = medium->erases_any_time ? UINT32_MAX : (medium->sector_slots - 1U);
+    const bool later = (self->lessons > 0U) && (!medium->erases_any_time);
+    const uint32_t quiet_s = self->quiet_ds / DS_PER_S;
+    const uint32_t least_s = later ? (ELMOPP_KEEPER_LATER * self->config.save_min_s) : self->config.save_min_s;
+    return (medium->bytes != NULL) && (!is_busy(self)) && (!self->config.weights_by_hand) && (self->lessons < slots) &&
+           (quiet_s >= least_s);
+}
+
+/* What is learnt is put together in the buffer: the weights that learning began with, and what it made of them. */
+static void save_lesson(elmopp_keeper_t *self, const elmopp_controller_t *controller) {
+    const elmopp_learner_t *learner = worth_keeping(controller);
+    if ((learner != NULL) && may_save(self)) {
+        void *body = &buffer_of(self)[ELMOPP_IMAGE_HEADER];
+        elmopp_weights_t *draft = (elmopp_weights_t *)body;
+        *draft = *learner->shipped;
+        elmopp_learner_copy(learner, &draft->lstm);
+        if (elmopp_keeper_save(self, controller, draft) == ELMOPP_TRANSFER_NO_REASON) {
+            self->lessons = (self->lessons < UINT16_MAX) ? (uint16_t)(self->lessons + 1U) : self->lessons;
+        }
+    }
 }
 
 /* --- orders --- */
@@ -450,6 +493,8 @@ elmopp_keeper_change_t elmopp_keeper_tick(elmopp_keeper_t *self, elmopp_controll
         change = go_on_trying(self, controller);
     } else if (self->told.state == ELMOPP_TRANSFER_STORING) {
         change = go_on_storing(self, controller);
+    } else if (controller->second_ds == ELMOPP_KEEPER_SAVE_DS) {
+        save_lesson(self, controller);
     } else {
         /* nothing is under way, or segments are yet to come */
     }

@@ -34,6 +34,24 @@ void elmopp_learner_init(elmopp_learner_t *self, elmopp_trainer_memory_t *memory
     elmopp_trainer_init(&self->trainer, memory, inner, &shipped->lstm);
 }
 
+void elmopp_learner_begin(elmopp_learner_t *self, const elmopp_weights_t *shipped) {
+    uint32_t approaches = 0U;
+    for (uint32_t group = 0U; group < ELMOPP_LEARNER_GROUPS_MAX; group++) {
+        approaches += self->inputs[group];
+    }
+    elmopp_learner_init(self, self->trainer.memory, self->trainer.inner, shipped, self->course, approaches);
+}
+
+void elmopp_learner_move(elmopp_learner_t *self, const elmopp_weights_t *shipped) {
+    self->shipped = shipped;
+}
+
+void elmopp_learner_resume(elmopp_learner_t *self, const elmopp_lstm_f32_weights_t *learnt) {
+    elmopp_learner_begin(self, self->shipped);
+    elmopp_trainer_reset(&self->trainer, learnt);
+    self->in_use = true;
+}
+
 /* Xorshift (Marsaglia 2003). Which stretch comes next decides nothing that anybody could gain by. */
 static uint32_t any_below(elmopp_learner_t *self, uint32_t count) {
     self->chance ^= self->chance << 13U;
@@ -83,7 +101,9 @@ static void settle_comparison(elmopp_learner_t *self, const elmopp_learner_secon
                        ELMOPP_LEARNER_JUDGED_WINDOW);
         elmopp_average(&error->learnt, squared_error_of(due->learnt, came->input[due->group], inputs), error->judged,
                        ELMOPP_LEARNER_JUDGED_WINDOW);
-        self->in_use = (error->judged >= ELMOPP_LEARNER_JUDGED_MIN) && is_at_most(error->learnt, error->shipped);
+        if (error->judged >= ELMOPP_LEARNER_JUDGED_MIN) {
+            self->in_use = is_at_most(error->learnt, error->shipped);
+        }
     }
     due->said = false;
     self->due = (self->due + 1U) % ELMOPP_LEARNER_AHEAD_S;
@@ -212,11 +232,13 @@ static void learn_literally(elmopp_learner_t *self, const elmopp_lstm_f32_state_
     }
 }
 
-void elmopp_learner_see(elmopp_learner_t *self, const elmopp_learner_second_t *second,
-                        const elmopp_lstm_f32_state_t *shipped_memory) {
+void elmopp_learner_see(elmopp_learner_t *self, const elmopp_learner_second_t *second) {
     settle_comparison(self, second);
     grow(self, second);
     step_learnt(self, second);
+}
+
+void elmopp_learner_work(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *shipped_memory) {
     if (self->course == ELMOPP_LEARNER_LITERAL) {
         learn_literally(self, shipped_memory);
     } else {
@@ -226,6 +248,12 @@ void elmopp_learner_see(elmopp_learner_t *self, const elmopp_learner_second_t *s
 
 bool elmopp_learner_is_in_use(const elmopp_learner_t *self) {
     return self->in_use;
+}
+
+bool elmopp_learner_is_worth_keeping(const elmopp_learner_t *self) {
+    const elmopp_learner_error_t *error = &self->error;
+    return self->in_use && (error->judged >= ELMOPP_LEARNER_JUDGED_WINDOW) &&
+           is_at_most(error->learnt, ELMOPP_LEARNER_WORTH * error->shipped);
 }
 
 void elmopp_learner_copy(const elmopp_learner_t *self, elmopp_lstm_f32_weights_t *out) {

@@ -35,6 +35,7 @@ void elmopp_pilot_restart(elmopp_pilot_t *self) {
 
 void elmopp_pilot_absorb(elmopp_pilot_t *self, const float *arrived_veh) {
     elmopp_forecast_observe(&self->forecast, arrived_veh);
+    elmopp_forecast_learn(&self->forecast);
 }
 
 /* False for a NaN too. */
@@ -167,6 +168,8 @@ bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, cons
         return false;
     }
     elmopp_forecast_observe(&self->forecast, counts->arrived_veh);
+    self->to_learn = true;
+    self->since_ds = 0U;
     self->waiting = waiting_movements(self, counts);
     elmopp_view_t view = {.junction = self->junction,
                           .queue_veh = counts->present_veh,
@@ -186,7 +189,22 @@ bool elmopp_pilot_step(elmopp_pilot_t *self, const elmopp_counts_t *counts, cons
     return true;
 }
 
+void elmopp_pilot_learn(elmopp_pilot_t *self) {
+    if (self->to_learn) {
+        self->to_learn = false;
+        elmopp_forecast_learn(&self->forecast);
+    }
+}
+
+static void learn_in_time(elmopp_pilot_t *self) {
+    self->since_ds = (self->since_ds < UINT8_MAX) ? (uint8_t)(self->since_ds + 1U) : self->since_ds;
+    if (self->since_ds == ELMOPP_PILOT_LEARN_DS) {
+        elmopp_pilot_learn(self);
+    }
+}
+
 elmopp_lamps_t elmopp_pilot_lamp_tick(elmopp_pilot_t *self, elmopp_stage_t wanted, bool occupied) {
+    learn_in_time(self);
     const elmopp_lamps_t lamps = elmopp_plan_step(&self->plan, wanted, self->waiting, occupied);
     if (self->plan.forced) {
         self->wanted = self->plan.target; /* the wish is older than the force */

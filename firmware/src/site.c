@@ -70,10 +70,18 @@ static bool start_fits(const elmopp_junction_t *junction) {
            time_fits(junction->start_flash_ds) && time_fits(junction->start_red_ds);
 }
 
+/* A promise that nobody could keep is none. */
+static bool learning_fits(const elmopp_junction_t *junction) {
+    const bool can_learn =
+        (junction->forecast == (uint8_t)ELMOPP_FORECAST_LSTM) || (junction->forecast == (uint8_t)ELMOPP_FORECAST_NLSTM);
+    return (junction->learning == 0U) ||
+           ((junction->learning == 1U) && can_learn && elmopp_junction_looks_ahead(junction));
+}
+
 elmopp_site_verdict_t elmopp_site_check_counts(const elmopp_junction_t *junction) {
     const bool codes = (junction->simulation_only <= 1U) && (junction->discharge <= (uint8_t)ELMOPP_DISCHARGE_NOLOCK) &&
                        (junction->chooser < (uint8_t)ELMOPP_CHOOSER_COUNT) &&
-                       (junction->forecast < (uint8_t)ELMOPP_FORECAST_COUNT);
+                       (junction->forecast < (uint8_t)ELMOPP_FORECAST_COUNT) && learning_fits(junction);
     const bool flow = (junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION) ||
                       (between(junction->free_flow_m_per_s, 0.0F, 100.0F) && (junction->free_flow_m_per_s > 0.0F));
     const bool street =

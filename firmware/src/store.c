@@ -117,6 +117,24 @@ const uint8_t *elmopp_store_newest(const elmopp_store_t *self) {
                                                : &self->medium.bytes[slot_at(self, self->newest) + ELMOPP_STORE_HEAD];
 }
 
+/* Number and complement fit each other only as long as no bit of them has changed, and the mark came after the whole.
+ */
+bool elmopp_store_is_damaged(const elmopp_store_t *self) {
+    uint32_t newest_number = 0U;
+    bool damaged = false;
+    if (self->newest != ELMOPP_STORE_NONE) {
+        (void)is_numbered(self, self->newest, &newest_number);
+    }
+    for (uint32_t slot = 0U; slot < slot_count(self); slot++) {
+        uint32_t number = 0U;
+        const bool marked = word_of(self->medium.bytes, slot_at(self, slot) + MARK_AT) == ELMOPP_STORE_MARK;
+        if (marked && is_numbered(self, slot, &number) && (number > newest_number)) {
+            damaged = damaged || (!is_whole(self, slot));
+        }
+    }
+    return damaged;
+}
+
 /* --- room --- */
 
 /* The next sector from `from` on that has nothing in force and something in it; `sectors` if there is none. */

@@ -3,7 +3,6 @@
 
 #include "elmopp/weights.h"
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -65,6 +64,16 @@ static elmopp_weights_fault_t check_body(const uint8_t *body) {
 
 elmopp_weights_fault_t elmopp_weights_check(const elmopp_weights_t *weights) {
     return check_body((const uint8_t *)weights);
+}
+
+/* What lies before the recurrent network, and what lies behind it. */
+bool elmopp_weights_are_learnt_from(const elmopp_weights_t *weights, const elmopp_weights_t *base) {
+    const size_t before = offsetof(elmopp_weights_t, lstm);
+    const size_t behind = offsetof(elmopp_weights_t, ann);
+    const uint8_t *ours = (const uint8_t *)weights;
+    const uint8_t *theirs = (const uint8_t *)base;
+    return (weights->lstm.levels == base->lstm.levels) && (memcmp(ours, theirs, before) == 0) &&
+           (memcmp(&ours[behind], &theirs[behind], sizeof *weights - behind) == 0);
 }
 
 const elmopp_image_kind_t *elmopp_weights_kind(void) {

@@ -14,14 +14,18 @@
 ///   train_w30          a sample of 30 steps, 10 of them fed, and an update (elmopp/trainer.h), one level, weights,
 ///   inputs and
 ///                      states as above; nlstm3_train_w30 the same of three
-///   learner_second     elmopp_learner_see() on traffic that the network does not know, one group: whatever its turn is
-///   rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches
+///   learner_see, learner_work    a second of elmopp_learner_see() and elmopp_learner_work() on traffic that the
+///                      network does not know, one group: whatever its turn is
+///   keeper_save        elmopp_keeper_tick() in which what was learnt begins to be stored, in a medium as the
+///   STM32F405's keeper_store       64 words of it, as a board carries them out in a tick; the last ones are followed
+///   by a look at all rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches
 ///   rollout60_q15      the same, kind lstm-q15
 ///   quantize, quantize3    elmopp_lstm_quantize() of one level and of three
 ///   tick_worst.C[:F]   elmopp_pilot_step() and a lamp tick, chooser C with forecast F at its own horizon (where
 ///   nothing
 ///                      is said, lstm for cumulative and rollout; the others look at none), eight stages, twelve
-///                      movements (the paper's junction with a constant saturation flow), somebody everywhere
+///                      movements (the paper's junction with a constant saturation flow), somebody everywhere;
+///                      lstm-learn: lstm and a learner, which works in another tick
 ///   tick_worst_rest.rollout[:F]    elmopp_pilot_look_on() and the next lamp tick: the rest of the minute, where C
 ///   looks less
 ///                      far; tick_two_groups_rest.rollout likewise
@@ -29,9 +33,11 @@
 ///   tick.lamp          elmopp_controller_tick() without a decision: site four_way, frames of every camera and node
 ///   tick.rest          ... the one after a decision
 ///   tick.decision      ... with one: chooser rollout, forecast lstm, 17 stages
+///   tick.lamp:learn, tick.decision:learn    the same of a site that learns on
 
 #include "bench.h"
 #include "count_marks.h"
+#include "elmopp/keeper.h"
 #include "elmopp/learner.h"
 #include "elmopp/pressure.h"
 #include "elmopp/priced.h"
@@ -197,14 +203,16 @@ static void count_training(const char *key, uint32_t levels) {
     }
 }
 
+static elmopp_learning_t learning;
+
 /* Traffic that goes up and down as the shipped network has never seen it. */
 static void count_learner(void) {
-    static elmopp_trainer_memory_t memory;
-    static elmopp_learner_t learner;
+    elmopp_learner_t *learner = &learning.learner;
     static elmopp_lstm_f32_state_t shipped[ELMOPP_LEARNER_GROUPS_MAX];
     elmopp_learner_second_t second;
     (void)memset(&second, 0, sizeof second);
-    elmopp_learner_init(&learner, &memory, NULL, &elmopp_weights_lstm, ELMOPP_LEARNER_CAREFUL, ELMOPP_LSTM_INPUTS);
+    elmopp_learner_init(learner, &learning.trainer, NULL, &elmopp_weights_lstm, ELMOPP_LEARNER_CAREFUL,
+                        ELMOPP_LSTM_INPUTS);
     for (uint32_t t = 0U; t < LEARNER_S; t++) {
         for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
             second.input[0][k] = 0.1F * (float)((t * (k + 1U)) % 20U);
@@ -213,11 +221,16 @@ static void count_learner(void) {
         const bool is_counted = t > ELMOPP_TRAINER_WINDOW;
         if (is_counted) {
             COUNT_BEGIN();
-        }
-        elmopp_learner_see(&learner, &second, shipped);
-        if (is_counted) {
+            elmopp_learner_see(learner, &second);
             COUNT_END();
-            (void)puts("learner_second");
+            (void)puts("learner_see");
+            COUNT_BEGIN();
+            elmopp_learner_work(learner, shipped);
+            COUNT_END();
+            (void)puts("learner_work");
+        } else {
+            elmopp_learner_see(learner, &second);
+            elmopp_learner_work(learner, shipped);
         }
     }
 }
@@ -300,12 +313,13 @@ static void count_rest(const char *key, elmopp_pilot_t *pilot) {
     (void)printf("%.*s_rest%s\n", group, key, &key[group]);
 }
 
-static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elmopp_junction_t *site) {
+static void count_ticks_with(const char *key, make_fn_t make, uint8_t kind, const elmopp_junction_t *site,
+                             elmopp_learner_t *learner) {
     static elmopp_junction_t junction;
     static elmopp_pilot_t pilot;
     const bool nested = elmopp_forecast_is_nested(kind);
-    const elmopp_forecast_config_t forecast = {.kind = kind,
-                                               .weights = nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm};
+    const elmopp_forecast_config_t forecast = {
+        .kind = kind, .weights = nested ? &elmopp_weights_nlstm : &elmopp_weights_lstm, .learner = learner};
     float present_veh[ELMOPP_MOVEMENT_MAX];
     float arrived_veh[ELMOPP_MOVEMENT_MAX];
     const elmopp_counts_t counts = {.present_veh = present_veh, .arrived_veh = arrived_veh, .recall = 0U};
@@ -339,6 +353,16 @@ static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elm
             (void)elmopp_pilot_lamp_tick(&pilot, pilot.wanted, false);
         }
     }
+}
+
+static void count_ticks(const char *key, make_fn_t make, uint8_t kind, const elmopp_junction_t *site) {
+    count_ticks_with(key, make, kind, site, NULL);
+}
+
+static void count_ticks_learning(const char *key, make_fn_t make, const elmopp_junction_t *site) {
+    elmopp_learner_init(&learning.learner, &learning.trainer, NULL, &elmopp_weights_lstm, ELMOPP_LEARNER_CAREFUL,
+                        site->approach_count);
+    count_ticks_with(key, make, ELMOPP_FORECAST_LSTM, site, &learning.learner);
 }
 
 /* --- the whole controller, on frames --- */
@@ -386,20 +410,25 @@ uint32_t __wrap_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t no
     COUNT_BEGIN();
     const uint32_t frames = __real_elmopp_controller_tick(self, now_ms, out);
     COUNT_END();
-    (void)puts(keys[(tick < 2U) ? tick : 2U]);
+    const char *how = (self->junction->learning != 0U) ? ":learn" : "";
+    (void)printf("%s%s\n", keys[(tick < 2U) ? tick : 2U], how);
     return frames;
 }
 
-static void count_street(uint8_t forecast) {
+static void count_street(uint8_t forecast, bool learns) {
     static bench_t bench;
     static elmopp_junction_t junction;
     static const elmopp_ar8_t no_regression;
+    const elmopp_station_weights_t shipped = {.base = &elmopp_weights_lstm, .learnt = NULL};
+    const elmopp_station_room_t room = {.learning = &learning, .inner = NULL};
+    is_street_counted = false;
     junction = elmopp_site_four_way;
     junction.chooser = (uint8_t)ELMOPP_CHOOSER_ROLLOUT;
     junction.forecast = forecast;
+    junction.learning = learns ? 1U : 0U;
     bench_start(&bench, &junction);
     /* The bench's controller asks the bench; here it is one as a board has it. */
-    elmopp_station_init(&station, &junction, &no_regression, &elmopp_weights_lstm);
+    elmopp_station_init(&station, &junction, &no_regression, &shipped, &room);
     bench.controller = station.controller;
     (void)bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 1000U);
     for (uint32_t t = 0U; t < STREET_S; t++) {
@@ -412,10 +441,65 @@ static void count_street(uint8_t forecast) {
     }
 }
 
+/* --- what was learnt, on its way into the flash --- */
+
+#define SECTOR_BYTES 0x20000U
+#define ORDERS_A_TICK 64U
+
+static uint32_t flash[(2U * SECTOR_BYTES) / sizeof(uint32_t)];
+static elmopp_keeper_t keeper;
+
+static void program(const elmopp_store_order_t *order) {
+    uint32_t *word = &flash[order->at / sizeof(uint32_t)];
+    if (order->action == ELMOPP_STORE_ERASE) {
+        (void)memset(word, 0xFF, SECTOR_BYTES);
+    } else {
+        *word &= order->word;
+    }
+}
+
+static bool store_some(uint32_t orders) {
+    elmopp_transfer_kind_t kind;
+    elmopp_store_order_t order;
+    bool something = false;
+    for (uint32_t k = 0U; (k < orders) && elmopp_keeper_next(&keeper, &kind, &order); k++) {
+        program(&order);
+        elmopp_keeper_answer(&keeper, kind, ELMOPP_STORE_DONE);
+        something = true;
+    }
+    return something;
+}
+
+/* After a street that has learnt: its learner is said to be better. */
+static void count_keeping(void) {
+    const elmopp_keeper_config_t config = {.weights = {(const uint8_t *)flash, 2U, SECTOR_BYTES, 3U, 0xA000U, false},
+                                           .save_min_s = 0U};
+    elmopp_frame_t out[ELMOPP_KEEPER_FRAMES];
+    uint32_t count = 0U;
+    elmopp_controller_t *controller = &station.controller;
+    elmopp_learner_t *learner = controller->pilot.forecast.config.learner;
+    elmopp_keeper_init(&keeper, &config);
+    (void)store_some(ELMOPP_KEEPER_TIDY_ORDERS_MAX);
+    learner->in_use = true;
+    learner->error = (elmopp_learner_error_t){.shipped = 1.0F, .learnt = 0.5F, .judged = ELMOPP_LEARNER_JUDGED_WINDOW};
+    controller->pilot.foresight = ELMOPP_FORESIGHT_OWN;
+    controller->second_ds = (uint8_t)ELMOPP_KEEPER_SAVE_DS;
+    COUNT_BEGIN();
+    (void)elmopp_keeper_tick(&keeper, controller, out, &count);
+    COUNT_END();
+    (void)puts("keeper_save");
+    while (keeper.store[0].phase != ELMOPP_STORE_IDLE) {
+        COUNT_BEGIN();
+        (void)store_some(ORDERS_A_TICK);
+        COUNT_END();
+        (void)puts("keeper_store");
+    }
+}
+
 int main(int argc, char **argv) {
     is_stack_wanted = (argc == 2) && (strcmp(argv[1], "stack") == 0);
     if (is_stack_wanted) {
-        count_street((uint8_t)ELMOPP_FORECAST_GCN); /* the way to this network is the deepest */
+        count_street((uint8_t)ELMOPP_FORECAST_GCN, false); /* the way to this network is the deepest */
         (void)printf("%u\n", (unsigned)(stack_words * sizeof(uint32_t)));
         return 0;
     }
@@ -446,11 +530,16 @@ int main(int argc, char **argv) {
     count_ticks("tick_worst.priced", make_priced, ELMOPP_FORECAST_NONE, &elmopp_site_paper);
     count_ticks("tick_worst.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM, &elmopp_site_paper);
+    count_ticks_learning("tick_worst.cumulative:lstm-learn", make_cumulative, &elmopp_site_paper);
+    count_ticks_learning("tick_worst.rollout:lstm-learn", make_rollout, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:lstm-q15", make_rollout, ELMOPP_FORECAST_LSTM_Q15, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:nlstm-q15", make_rollout, ELMOPP_FORECAST_NLSTM_Q15, &elmopp_site_paper);
     count_ticks("tick_worst.rollout:gcn", make_rollout, ELMOPP_FORECAST_GCN, &elmopp_site_paper);
     count_ticks("tick_two_groups.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
     count_ticks("tick_two_groups.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
-    count_street((uint8_t)ELMOPP_FORECAST_LSTM);
+    count_ticks_learning("tick_two_groups.rollout:lstm-learn", make_rollout, &elmopp_site_five_way);
+    count_street((uint8_t)ELMOPP_FORECAST_LSTM, false);
+    count_street((uint8_t)ELMOPP_FORECAST_LSTM, true);
+    count_keeping();
     return 0;
 }

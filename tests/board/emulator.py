@@ -21,17 +21,23 @@ from bus_frames import LAMP_COMMAND, LAMP_FEEDBACK, SIM_TIME, STATUS, Frame, sea
 
 ROOT = Path(__file__).resolve().parents[2]
 IMAGE = Path(os.environ.get("ELMOPP_MPS2", ROOT / "build" / "cortex-m4" / "bin" / "elmopp-mps2"))
-SITE_SLOT, WEIGHTS_SLOT = 0x00300000, 0x00310000  # firmware/port/mps2/mps2.ld
+SITE_SLOT, WEIGHTS_SLOT, WEIGHTS_STORE = 0x00300000, 0x00310000, 0x00320000  # firmware/port/mps2/mps2.ld
 ANSWER_S = 60.0
 
 COLOURS = [0, 1, 3, 4, 2, 0, 0, 0]  # of an aspect: red 1, amber 2, green 4; what flashes is dark just now
 
 
 class Emulator:
-    """QEMU with the image, or another one; images in its slots; a socket to each of its serial lines, or a terminal."""
+    """QEMU with the image, or another one; images in its slots and store; a socket a serial line, or a terminal."""
 
     def __init__(
-        self, *, image: Path = IMAGE, site: Path | None = None, weights: Path | None = None, terminal: bool = False
+        self,
+        *,
+        image: Path = IMAGE,
+        site: Path | None = None,
+        weights: Path | None = None,
+        kept: Path | None = None,
+        terminal: bool = False,
     ) -> None:
         self.folder = tempfile.TemporaryDirectory(prefix="elmopp-")  # short: a socket's path may have 107 characters
         self.bus, self.people_line, self.control = (Path(self.folder.name) / name for name in ("bus", "people", "qmp"))
@@ -42,7 +48,7 @@ class Emulator:
             words += ["-chardev", f"pty,id={name}" if terminal and name == "bus" else socket_of]
             words += ["-serial", f"chardev:{name}"]
         words += ["-qmp", f"unix:{self.control},server=on,wait=off", "-S", "-kernel", str(image)]
-        for slot, file in ((SITE_SLOT, site), (WEIGHTS_SLOT, weights)):
+        for slot, file in ((SITE_SLOT, site), (WEIGHTS_SLOT, weights), (WEIGHTS_STORE, kept)):
             if file is not None:
                 words += ["-device", f"loader,file={file},addr={slot:#x},force-raw=on"]
         self.process = subprocess.Popen(

@@ -21,6 +21,9 @@ elmopp_add_python_test(NAME layers_of_symbols
 _elmopp_add_image_test(test_image faults 900 0 tests/board/test_image.py)
 set_tests_properties(test_image PROPERTIES COST 60)
 
+_elmopp_add_image_test(test_image_learning faults 900 0 -k "not after_a_reset" tests/board/test_image_learning.py)
+_elmopp_add_image_test(test_image_learns "faults;nightly" 1800 0 -k after_a_reset tests/board/test_image_learning.py)
+
 # One a chooser, so that they run beside each other.
 foreach(chooser IN ITEMS naive cumulative:lstm pressure priced rollout)
     string(REPLACE ":" "_" name "${chooser}")

@@ -20,11 +20,13 @@ def tool(name: str, *words: str) -> None:
 
 
 def site_image(folder: Path, chooser: str, name: str = "four_way") -> Path:
-    """A site with this chooser, and short times of the start-up."""
+    """A site with this chooser, one that learns on if its forecast says so, and short times of the start-up."""
     rule, _, forecast = chooser.partition(":")
+    network = forecast.removesuffix("-learn")
+    learning = "\nlearning = true" if forecast != network else ""
     text = (ROOT / "sites" / f"{name}.toml").read_text(encoding="utf-8")
     text = re.sub(r"^chooser = .*$", f'chooser = "{rule}"', text, flags=re.MULTILINE)
-    quick = f'forecast = "{forecast or "none"}"\nstart_flash_s = 1\nstart_red_s = 1'
+    quick = f'forecast = "{network or "none"}"{learning}\nstart_flash_s = 1\nstart_red_s = 1'
     text = re.sub(r"^forecast = .*$", quick, text, flags=re.MULTILINE)
     toml = folder / "site.toml"
     toml.write_text(text, encoding="utf-8")

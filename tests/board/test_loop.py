@@ -19,7 +19,7 @@ HOST_SIM = Path(os.environ.get("ELMOPP_HOST_SIM", ROOT / "build" / "release" / "
 SECONDS = int(os.environ.get("ELMOPP_BOARD_SECONDS", "200"))
 CHOOSERS = ["naive", "cumulative:lstm", "pressure", "priced", "rollout"]
 OTHERS = ["cumulative:none", "cumulative:mean", "cumulative:persistence", "cumulative:ewma", "cumulative:ar8"]
-OTHERS += ["cumulative:nlstm", "rollout:lstm"]
+OTHERS += ["cumulative:nlstm", "rollout:lstm", "rollout:lstm-learn"]
 
 
 @pytest.fixture(autouse=True, scope="session")

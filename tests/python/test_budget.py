@@ -128,13 +128,14 @@ SECTIONS = """\
   [ 2] .data             PROGBITS        20000000 016474 000010 00  WA  0   0  1
   [ 4] .bss              NOBITS          20000000 017000 000020 00  WA  0   0  4
   [ 5] .stack            NOBITS          20017b90 017000 002000 00  WA  0   0  1
-  [ 6] .comment          PROGBITS        00000000 016474 000026 01  MS  0   0  1
+  [ 6] .aside            NOBITS          10000000 017000 000040 00  WA  0   0  4
+  [ 7] .comment          PROGBITS        00000000 016474 000026 01  MS  0   0  1
 """
 
 
 def test_initial_values_take_flash_and_ram_and_the_stack_takes_neither() -> None:
     symbols = ["  7: 00000101 4 FUNC GLOBAL DEFAULT 1 malloc", ""]
-    assert image_of(SECTIONS.splitlines(), symbols, 99) == Image(0x110, 0x30, 99, 0x2000, 1)
+    assert image_of(SECTIONS.splitlines(), symbols, 99) == Image(0x110, 0x30, 0x40, 99, 0x2000, 1)
 
 
 def measured_with(image: Image, insn: int) -> Measured:
@@ -143,30 +144,31 @@ def measured_with(image: Image, insn: int) -> Measured:
 
 
 def test_limits_are_what_was_measured_and_five_per_cent() -> None:
-    measured = measured_with(Image(1000, 200, 100, 8192, 0), 1001)
+    measured = measured_with(Image(1000, 200, 40, 100, 8192, 0), 1001)
     assert new_limits(measured) == {
-        "one": {"flash_bytes": 1050, "ram_bytes": 210, "stack_bytes": 105, "heap_functions": 0},
+        "one": {"flash_bytes": 1050, "ram_bytes": 210, "aside_bytes": 42, "stack_bytes": 105, "heap_functions": 0},
         "instructions": {"step": 1052},
     }
     assert beyond(measured, new_limits(measured)) == []
 
 
 def test_each_value_beyond_its_limit_is_a_line() -> None:
-    limits = new_limits(measured_with(Image(1000, 200, 100, 8192, 0), 1000))
-    problems = beyond(measured_with(Image(1051, 211, 106, 50, 1), 1051), limits)
+    limits = new_limits(measured_with(Image(1000, 200, 40, 100, 8192, 0), 1000))
+    problems = beyond(measured_with(Image(1051, 211, 43, 106, 50, 1), 1051), limits)
     assert [problem.split(" ; ")[0] for problem in problems] == [
         "one: flash_bytes 1051",
         "one: ram_bytes 211",
+        "one: aside_bytes 43",
         "one: stack_bytes 106",
         "one: heap_functions 1",
         "one: stack_bytes 106",
         "instructions: step 1051",
     ]
-    assert "50 are kept for it" in problems[4]
+    assert "50 are kept for it" in problems[5]
 
 
 def test_what_has_no_limit_and_what_was_not_measured_are_lines() -> None:
-    measured = measured_with(Image(1000, 200, 100, 8192, 0), 1000)
+    measured = measured_with(Image(1000, 200, 40, 100, 8192, 0), 1000)
     limits = new_limits(measured)
     limits["instructions"] = {"other": 5}
     assert [problem.split(" ; ")[0] for problem in beyond(measured, limits)] == [

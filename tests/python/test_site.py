@@ -25,8 +25,8 @@ from elmopp_tools.site_toml import SCHEMA_PATH
 ROOT = Path(__file__).resolve().parents[2]
 INCLUDE = ROOT / "firmware" / "include"
 SITES = sorted((ROOT / "sites").glob("*.toml"))
-STRUCT_SIZE = 2308
-VERSION = 4
+STRUCT_SIZE = 2312
+VERSION = 5
 WARNINGS = ["-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wsign-conversion", "-Werror"]
 
 # A small street that uses all keys: a and b conflict, c is compatible with both. Stage 0 serves B.M, stage 1 the
@@ -183,6 +183,22 @@ REFUSED: dict[str, tuple[str, str, list[str]]] = {
         '"ann"\narithmetic = "q15"',
         ["forecast ann has no arithmetic q15", '"lstm" or "nlstm"'],
     ),
+    "learning without a network": (
+        "reach_m = 75",
+        "reach_m = 75\nlearning = true",
+        ["forecast none does not learn on", "(true)", '"lstm" or "nlstm"'],
+    ),
+    "learning in whole numbers": (
+        '"none"',
+        '"lstm"\narithmetic = "q15"\nlearning = true',
+        ["forecast lstm-q15 does not learn on", 'arithmetic = "float"'],
+    ),
+    "learning that nobody looks at": (
+        '"none"',
+        '"lstm"\nlearning = true',
+        ["chooser naive looks at no forecast", "(true)", '"cumulative" or "rollout"'],
+    ),
+    "learning as a word": ("reach_m = 75", 'reach_m = 75\nlearning = "yes"', ["learning has the wrong type", '"yes"']),
     "unknown arithmetic": ("reach_m = 75", 'reach_m = 75\narithmetic = "q7"', ["arithmetic", '"q7"', "float, q15"]),
     "arithmetic in the forecast's name": ('"none"', '"lstm-q15"', ["forecast", '"lstm-q15"', "nlstm"]),
     "no free flow": ("reach_m = 75", 'reach_m = 75\ndischarge = "nolock"', ["free_flow_m_per_s", "0.0"]),
@@ -500,6 +516,7 @@ def test_limits_are_accepted_on_their_good_side(tmp_path: Path) -> None:
         ("reach_m = 75", "reach_m = 75\nfree_flow_m_per_s = 0"),
         ("reach_m = 75", 'reach_m = 75\nsimulation_only = true\ndischarge = "nolock"\nfree_flow_m_per_s = 10'),
         ("reach_m = 75", 'reach_m = 75\narithmetic = "float"'),
+        ("reach_m = 75", "reach_m = 75\nlearning = false"),
         ('stages = [["b", "c"], ["a", "c"]]', ""),
     ]:
         assert main([str(write_site(tmp_path, changed(old, new)))]) == 0, new
@@ -515,6 +532,17 @@ def test_arithmetic_names_the_firmware_s_forecast(tmp_path: Path, forecast: str,
     suffix = "" if arithmetic == "float" else "_Q15"
     assert f".forecast = ELMOPP_FORECAST_{forecast.upper()}{suffix}," in c_file.read_text()
     assert image.read_bytes()[16 + site_model.SITE_NAME_SIZE + 7] == code
+
+
+@pytest.mark.parametrize("forecast", ["lstm", "nlstm"])
+@pytest.mark.parametrize("chooser", ["cumulative", "rollout"])
+def test_a_site_that_learns_on_says_so_in_its_last_word(tmp_path: Path, chooser: str, forecast: str) -> None:
+    text = GOOD.replace('"none"', f'"{forecast}"\nlearning = true', 1).replace('"naive"', f'"{chooser}"', 1)
+    c_file, image = tmp_path / "site.c", tmp_path / "site.bin"
+    assert main([str(write_site(tmp_path, text)), "--c", str(c_file), "--image", str(image)]) == 0
+    assert ".learning = 1U," in c_file.read_text()
+    assert image.read_bytes()[-4:] == bytes([1, 0, 0, 0])
+    assert compile_and_dump(c_file, "elmopp_site_cross", tmp_path) == image.read_bytes()[16:]
 
 
 def test_simulation_only_site_may_have_zero_times(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -562,7 +590,7 @@ def test_who_gives_way_is_said_by_name_and_share(tmp_path: Path, capsys: pytest.
     assert alone.movements[1].gives_way_percent == 100
     silent = load_site(write_site(tmp_path))[0]
     assert all(item.gives_way == item.gives_way_percent == 0 for item in silent.movements)
-    assert image_bytes(junction)[-96:] == struct.pack("<24I", 0, 0b1, *[0] * 22)
+    assert image_bytes(junction)[-100:-4] == struct.pack("<24I", 0, 0b1, *[0] * 22)
 
 
 def test_own_saturation_is_per_lane_too(tmp_path: Path) -> None:

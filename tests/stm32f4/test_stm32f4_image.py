@@ -2,8 +2,10 @@
 # Copyright 2026 The ELMOPP authors
 """The image elmopp-stm32f4 in QEMU's netduinoplus2, an STM32F405 that has neither crystal nor CAN controller.
 
-ELMOPP_IMAGE names the image, ELMOPP_OTHER_IMAGE one that may be told the time over the bus, to show that what is looked
-for can be found. Images are patched as ELF files and sealed anew, so that a fault happens where a test wants it.
+Nor has QEMU 7.2 its core-coupled memory: ELMOPP_IMAGE names the image with what lies there somewhere else,
+ELMOPP_FLASHED the one that is written into boards, ELMOPP_OTHER_IMAGE one that may be told the time over the bus, to
+show that what is looked for can be found. Images are patched as ELF files and sealed anew, so that a fault happens
+where a test wants it.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 IMAGE = Path(os.environ.get("ELMOPP_IMAGE", ""))
+FLASHED = Path(os.environ.get("ELMOPP_FLASHED", ""))
 OTHER_IMAGE = Path(os.environ.get("ELMOPP_OTHER_IMAGE", ""))
 PATIENCE_S = 60.0
 QEMU = ["qemu-system-arm", "-M", "netduinoplus2", "-icount", "shift=6", "-nodefaults", "-display", "none"]
@@ -189,6 +192,28 @@ def test_a_stored_site_with_a_flipped_bit_is_refused_and_named(boards: list[Boar
     board.hear("the stored site is refused: it is not what tools/site writes")
     board.hear("site data changed")
     assert board.after("fail-safe, the lamps flash; fault:") == "site data changed"
+
+
+def sections(image: Path) -> dict[str, tuple[int, int]]:
+    """Address and size of what takes memory."""
+    listing = subprocess.run(["arm-none-eabi-readelf", "-SW", str(image)], check=True, capture_output=True, text=True)
+    row = re.compile(r"\] (\.\w+) +\w+ +([0-9a-f]{8}) [0-9a-f]+ ([0-9a-f]+) [0-9a-f]+ +\w*A")
+    return {name: (int(at, 16), int(size, 16)) for name, at, size in row.findall(listing.stdout)}
+
+
+def test_what_learns_has_the_core_coupled_memory_for_itself() -> None:
+    at, size = sections(FLASHED)[".aside"]
+    assert (at, symbols(FLASHED)["learning"]) == (0x10000000, 0x10000000)
+    assert 40000 < size <= 65536
+    assert (symbols(FLASHED)["elmopp_aside_start"], symbols(FLASHED)["elmopp_aside_end"]) == (0x10000000, 0x10010000)
+
+
+def test_the_image_in_the_emulator_is_the_one_for_boards_but_for_the_place_of_what_learns() -> None:
+    assert {name: size for name, (_, size) in sections(IMAGE).items()} == {
+        name: size for name, (_, size) in sections(FLASHED).items()
+    }
+    moved = {name for name, at in symbols(IMAGE).items() if symbols(FLASHED).get(name) != at}
+    assert moved == {"learning", "elmopp_aside", "elmopp_aside_start", "elmopp_aside_end"}
 
 
 def words(image: Path, address: int, count: int) -> tuple[int, ...]:

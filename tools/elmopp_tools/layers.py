@@ -136,16 +136,18 @@ ROOMS: dict[str, frozenset[str]] = {
     },
 }
 # what has come, is on trial and outlives a reset, beside the controller
-ROOMS["keeper"] = ROOMS["controller"] | {"controller", "store", "transfer"}
+ROOMS["keeper"] = ROOMS["controller"] | {"controller", "learner", "store", "trainer", "transfer"}
 # level 7: a controller with everything that its site names
 ROOMS["station"] = ROOMS["controller"] | {
     "coming",
     "controller",
     "future",
+    "learner",
     "pressure",
     "priced",
     "rollout",
     "sight",
+    "trainer",
     "urgency",
 }
 

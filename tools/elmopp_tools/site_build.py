@@ -17,6 +17,8 @@ from elmopp_tools.site_model import (
     APPROACH_MAX,
     FORECASTS,
     GROUP_MAX,
+    LEARNING,
+    LOOKING_AHEAD,
     MOVEMENT_MAX,
     SITE_NAME_SIZE,
     STAGE_MAX,
@@ -61,6 +63,7 @@ def build_junction(document: Document) -> Junction:
         discharge=document.get("discharge", "saturation"),
         chooser=document["chooser"],
         forecast=_forecast(document),
+        learning=_learning(document),
         hold_min_s=int(document["hold_s"][0]),
         hold_max_s=int(document["hold_s"][1]),
         red_bound_ds=tenths("red_bound_s", document.get("red_bound_s", 0)),
@@ -102,6 +105,19 @@ def _forecast(document: Document) -> str:
         wrong = f"forecast {forecast} has no arithmetic q15"
         raise SiteError(wrong, "q15", 'arithmetic = "float", or forecast "lstm" or "nlstm"')
     return f"{forecast}-q15"
+
+
+def _learning(document: Document) -> bool:
+    """Only what somebody looks at, and what the firmware has a learner for."""
+    learning: bool = document.get("learning", False)
+    forecast, chooser = _forecast(document), document["chooser"]
+    if learning and forecast not in LEARNING:
+        wrong = f"forecast {forecast} does not learn on"
+        raise SiteError(wrong, learning, 'learning = false, or forecast "lstm" or "nlstm" with arithmetic = "float"')
+    if learning and chooser not in LOOKING_AHEAD:
+        wrong = f"chooser {chooser} looks at no forecast, so that nothing would learn on"
+        raise SiteError(wrong, learning, 'learning = false, or chooser "cumulative" or "rollout"')
+    return learning
 
 
 def _free_flow(document: Document) -> float:

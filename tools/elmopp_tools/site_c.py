@@ -63,6 +63,8 @@ def _members(junction: Junction) -> Iterator[str]:
     yield from _block("rescue_stage", (_rescue(junction, i) for i in range(len(junction.movements))))
     yield from _hours(junction)
     yield from _right_of_way(junction)
+    if junction.learning:
+        yield ".learning = 1U,"
 
 
 def _head(junction: Junction) -> list[str]:

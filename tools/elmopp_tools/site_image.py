@@ -28,7 +28,7 @@ from elmopp_tools.site_model import (
 )
 
 MAGIC = b"ELMS"
-VERSION = 4
+VERSION = 5
 
 WORD_SIZE = 2
 
@@ -40,6 +40,7 @@ _PROGRAM_TAIL = struct.Struct("<B3x")
 _SCHEDULE = struct.Struct("<HBB")
 _SPECIAL_DAY = struct.Struct("<HBx")
 _MASK = struct.Struct("<I")
+_TAIL = struct.Struct("<B3x")
 _PROGRAM_SIZE = STEP_MAX * _STEP.size + _PROGRAM_TAIL.size
 
 
@@ -72,6 +73,7 @@ def body_bytes(junction: Junction) -> bytes:
                 _SPECIAL_DAY.size,
             ),
             _rows([_MASK.pack(item.gives_way) for item in junction.movements], MOVEMENT_MAX, _MASK.size),
+            _TAIL.pack(junction.learning),
         ]
     )
 

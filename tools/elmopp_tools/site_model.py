@@ -23,6 +23,10 @@ SPECIAL_DAY_MAX = 16
 SITE_NAME_SIZE = 24
 NAME_SIZE = 12
 
+# Those that look at a forecast, and those forecasts that can learn on.
+LOOKING_AHEAD = ("cumulative", "rollout")
+LEARNING = ("lstm", "nlstm")
+
 DISCHARGES = ("saturation", "greenshields", "nolock")
 CHOOSERS = ("naive", "cumulative", "pressure", "priced", "rollout")
 FORECASTS = ("none", "mean", "persistence", "ewma", "ar8", "lstm", "nlstm", "ann", "gcn", "lstm-q15", "nlstm-q15")
@@ -127,6 +131,7 @@ class Junction:
     discharge: str
     chooser: str
     forecast: str
+    learning: bool
     hold_min_s: int
     hold_max_s: int
     red_bound_ds: int

@@ -134,7 +134,8 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_c
 
 /// Goes on with other weights that the site's forecast can use (elmopp_forecast_fits()); a site whose forecast is no
 /// network is left alone. Between two ticks. They are watched from now on, and must outlive the controller or the next
-/// call. Weights of the same content at another place change nothing that anybody can see.
+/// call. Weights of the same content at another place change nothing that anybody can see. A forecast that learns
+/// begins anew with others.
 void elmopp_controller_use_weights(elmopp_controller_t *self, const elmopp_weights_t *weights);
 
 /// The port's own findings: ELMOPP_FAULT_MEMORY to ELMOPP_FAULT_BROWN_OUT.

@@ -27,7 +27,8 @@
 /// without approach is 0 and what is said about it is ignored. For gcn each approach is a node, whatever their number.
 ///
 /// lstm and nlstm may learn on (learner.h): then every second goes to the learner too, and the rows are by the learnt
-/// weights whenever its guard has them in use. Who does not hand a learner in pays nothing for it but a pointer.
+/// weights whenever its guard has them in use. Who does not hand a learner in pays nothing for it but a pointer. The
+/// work of learning is put off until elmopp_forecast_learn(): a decision does not wait for it.
 ///
 /// The demand scale is the given mean or the running one: causal either way. Running means weigh the n-th observation
 /// by 1 / min(n, window), exact averages until the window is full and exponential ones after it: no ring of 900 values.
@@ -117,12 +118,16 @@ void elmopp_forecast_init(elmopp_forecast_t *self, const elmopp_junction_t *junc
                           const elmopp_forecast_config_t *config);
 
 /// Goes on with other weights, or with those that it has and that are others now. What was seen stays; what a network
-/// remembers of it goes if `anew`, as it was another network's. The weights that were used before are no longer looked
-/// at.
+/// remembers of it goes if `anew`, as it was another network's, and a learner begins anew with them. The weights that
+/// were used before are no longer looked at.
 void elmopp_forecast_rearm(elmopp_forecast_t *self, const elmopp_weights_t *weights, bool anew);
 
 /// Absorbs the vehicles per movement of one second: finite, >= 0.
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh);
+
+/// Learns from the second that was observed last, if there is a learner: at most once between two observations, when
+/// there is time. Who never calls it learns nothing.
+void elmopp_forecast_learn(elmopp_forecast_t *self);
 
 /// Fills `rows[approach]` with pointers to `steps` (at most ELMOPP_HORIZON_MAX) values each, valid until the next call,
 /// and returns the steps; with `none` the rows are null and it returns 0. Call it once after each observation: what it
@@ -157,6 +162,9 @@ bool elmopp_forecast_fits(uint8_t kind, const elmopp_weights_t *weights);
 /// What elmopp_lstm_quantize_check() (lstm_quantize.h) says of weights that have passed their check, fed as they are
 /// here: with 0 to their clamp's upper end.
 elmopp_lstm_quantized_t elmopp_forecast_quantized(const elmopp_weights_t *weights);
+
+/// Whether a learner's guard has what was learnt in use.
+bool elmopp_forecast_is_learnt(const elmopp_forecast_t *self);
 
 /// Why the rows of elmopp_forecast_look() are what they are.
 elmopp_forecast_status_t elmopp_forecast_status(const elmopp_forecast_t *self);

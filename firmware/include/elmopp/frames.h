@@ -65,8 +65,15 @@ typedef struct {
     float error; ///< mean square of the recent error, (vehicles a second) squared
 } elmopp_outlook_t;
 
-/// Models beyond the forecasts of a site: where rows come from that are not the forecast's own.
-enum { ELMOPP_MODEL_GIVEN = 12, ELMOPP_MODEL_COLD = 13, ELMOPP_MODEL_UNARMED = 14, ELMOPP_MODEL_DISTRUSTED = 15 };
+/// Models beyond the forecasts of a site: the site's network by weights that it has learnt itself, and where rows come
+/// from that are not the forecast's own.
+enum {
+    ELMOPP_MODEL_LEARNT = 11,
+    ELMOPP_MODEL_GIVEN = 12,
+    ELMOPP_MODEL_COLD = 13,
+    ELMOPP_MODEL_UNARMED = 14,
+    ELMOPP_MODEL_DISTRUSTED = 15
+};
 
 /// The frames to send, not yet sealed: counter and CRC are 0.
 elmopp_frame_t elmopp_frames_lamp_command(const elmopp_lamps_t *lamps, bool fail_safe, bool dark);

@@ -162,12 +162,17 @@ typedef struct {
     elmopp_schedule_t schedule[ELMOPP_SCHEDULE_MAX];
     elmopp_special_day_t special_day[ELMOPP_SPECIAL_DAY_MAX];
     uint32_t gives_way[ELMOPP_MOVEMENT_MAX]; ///< mask of the movements that go first where both have green
+    uint8_t learning; ///< 1: the forecast learns on, which is an LSTM, plain or nested, in float; 0: it does not
+    uint8_t reserved[3];
 } elmopp_junction_t;
 
 static_assert(sizeof(float) == 4U, "the image needs IEEE 754 single precision");
 static_assert(sizeof(elmopp_movement_t) == 28U, "a movement must have no implicit padding");
 static_assert(sizeof(elmopp_group_t) == 22U, "a group must have no implicit padding");
-static_assert(sizeof(elmopp_junction_t) == 2308U, "a junction must have no implicit padding");
+static_assert(sizeof(elmopp_junction_t) == 2312U, "a junction must have no implicit padding");
+
+/// True if the chooser looks at the forecast: cumulative and rollout do. Nobody else has one made.
+bool elmopp_junction_looks_ahead(const elmopp_junction_t *junction);
 
 /// Load L = Q / C of one movement (paper: the Hadamard quotient of Q and C), 0 where the capacity is 0. Shape: scalar.
 float elmopp_junction_load(const elmopp_junction_t *junction, uint32_t movement, float queue_veh);

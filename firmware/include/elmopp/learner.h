@@ -3,9 +3,10 @@
 
 /// Learner: has a recurrent network learn from the traffic that it sees, and says whether what it learnt is any good.
 ///
-/// Once a second it takes what every group of approaches brought, in units of the demand scale and in the clamp, as the
+/// Once a second it sees what every group of approaches brought, in units of the demand scale and in the clamp, as the
 /// network sees it (forecast.h). It keeps stretches of ELMOPP_TRAINER_WINDOW seconds with the network's state before
-/// each, the last ELMOPP_LEARNER_STRETCHES of them, and trains on them (trainer.h) by turns:
+/// each, the last ELMOPP_LEARNER_STRETCHES of them. Whenever it is told to work, once a second and not in the moment in
+/// which a decision is due, it trains on them (trainer.h) by turns:
 ///
 ///   in a cycle of ELMOPP_LEARNER_CYCLE_S seconds, one sample in each of the first ELMOPP_LEARNER_BATCH, the newest
 ///   stretch first, then any of those that are kept; one step of Adam in the next; in the last, a comparison of what
@@ -23,8 +24,12 @@
 /// and no guard: it ruins the forecast (docs/measurements.md), and is here to show that.
 ///
 /// What is learnt is lost with the memory, which is the caller's: who keeps or re-quantises it takes
-/// elmopp_learner_copy(). Owner: the forecast's caller, who alone pays for it: 46 kB with the trainer's memory for one
-/// level. One owner, not thread-safe, no allocation.
+/// elmopp_learner_copy(), and keeps it if elmopp_learner_is_worth_keeping() (keeper.h). Who has kept it goes on with it
+/// by elmopp_learner_resume(): it is used from the beginning, as it was the better one, and the shipped weights are
+/// what the guard falls back to.
+///
+/// Owner: the forecast's caller, who alone pays for it: 46 kB with the trainer's memory for one level
+/// (elmopp_learning_t). One owner, not thread-safe, no allocation.
 
 #ifndef ELMOPP_LEARNER_H
 #define ELMOPP_LEARNER_H
@@ -55,6 +60,10 @@
 #define ELMOPP_LEARNER_JUDGED_WINDOW 40U ///< comparisons that the running errors remember
 #define ELMOPP_LEARNER_JUDGED_MIN 15U
 #define ELMOPP_LEARNER_GIVE_UP 1.5F
+
+/// Learnt weights are worth keeping if their running error, full of comparisons, is at most this share of that of the
+/// shipped ones: what is no better is not worth the wear.
+#define ELMOPP_LEARNER_WORTH 0.95F
 
 /// Groups of approaches with a state each, as the forecast deals them.
 #define ELMOPP_LEARNER_GROUPS_MAX (ELMOPP_APPROACH_MAX / ELMOPP_LSTM_INPUTS)
@@ -114,16 +123,38 @@ typedef struct {
     bool in_use;       ///< the learnt weights are
 } elmopp_learner_t;
 
+/// All that learning takes with a network of one level: what a board that learns has to have room for.
+typedef struct {
+    elmopp_learner_t learner;
+    elmopp_trainer_memory_t trainer;
+} elmopp_learning_t;
+
 /// Begins with the shipped weights, which must outlive it, for so many approaches.
 void elmopp_learner_init(elmopp_learner_t *self, elmopp_trainer_memory_t *memory, elmopp_trainer_inner_memory_t *inner,
                          const elmopp_weights_t *shipped, elmopp_learner_course_t course, uint32_t approaches);
 
-/// One second: what each group's network is fed, and what it remembers by the shipped weights after that.
-void elmopp_learner_see(elmopp_learner_t *self, const elmopp_learner_second_t *second,
-                        const elmopp_lstm_f32_state_t *shipped_memory);
+/// Begins anew with other shipped weights.
+void elmopp_learner_begin(elmopp_learner_t *self, const elmopp_weights_t *shipped);
+
+/// The shipped weights are the same and stand somewhere else from now on.
+void elmopp_learner_move(elmopp_learner_t *self, const elmopp_weights_t *shipped);
+
+/// Begins anew with what was learnt from the shipped weights before, which is copied. It is used from the beginning.
+void elmopp_learner_resume(elmopp_learner_t *self, const elmopp_lstm_f32_weights_t *learnt);
+
+/// One second: what each group's network is fed. A step of the learnt network a group.
+void elmopp_learner_see(elmopp_learner_t *self, const elmopp_learner_second_t *second);
+
+/// After that and before the next second, when there is time: one sample, one step or one comparison. What each group's
+/// network remembers by the shipped weights. A second without it is seen and not learnt from.
+void elmopp_learner_work(elmopp_learner_t *self, const elmopp_lstm_f32_state_t *shipped_memory);
 
 /// Whether the learnt weights are to be used: then elmopp_trainer_net() of `trainer`, and `memory`.
 bool elmopp_learner_is_in_use(const elmopp_learner_t *self);
+
+/// Whether what was learnt is by its own account so much better than the shipped weights that it should outlive a
+/// reset.
+bool elmopp_learner_is_worth_keeping(const elmopp_learner_t *self);
 
 /// The weights that are to be used now, copied out, for whoever keeps or re-quantises them.
 void elmopp_learner_copy(const elmopp_learner_t *self, elmopp_lstm_f32_weights_t *out);

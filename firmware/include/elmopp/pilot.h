@@ -5,12 +5,13 @@
 ///
 /// Once a second elmopp_pilot_step() takes counts and asks the chooser for a stage; every 100 ms
 /// elmopp_pilot_lamp_tick() moves the plan towards what the caller wants, in automatic operation the chooser's wish,
-/// and returns the lamps. Order of a second: one step, then ten lamp ticks. A step foresees as far as the chooser
-/// looks, and the forecast's account; what only a log or a frame wants to know of the minute, elmopp_pilot_look_on()
-/// works out later, in a lamp tick that has the time. A network whose account of the last minutes is worse than the
-/// mean's is not listened to until it is better again; its rows are then the mean. It counts T, the time since each
-/// movement was green, from the lamps that it returned and from nothing else. A chooser that names no stage there is
-/// has no wish.
+/// and returns the lamps. Order of a second: one step, then ten lamp ticks, in the fifth of which a forecast that
+/// learns on learns from the second: a decision and what it takes to learn never come together. A step foresees as far
+/// as the chooser looks, and the forecast's account; what only a log or a frame wants to know of the minute,
+/// elmopp_pilot_look_on() works out later, in a lamp tick that has the time. A network whose account of the last
+/// minutes is worse than the mean's is not listened to until it is better again; its rows are then the mean. It counts
+/// T, the time since each movement was green, from the lamps that it returned and from nothing else. A chooser that
+/// names no stage there is has no wish.
 ///
 /// It knows no frame, no mode and no fault; the fluid experiment drives it directly, the controller (controller.h)
 /// through frames. Owns the state of forecast and plan; the chooser's state and the junction belong to the caller and
@@ -28,6 +29,9 @@
 
 /// A network's forecast is trusted again, or not, once so many seconds of its account (account.h) are in.
 #define ELMOPP_PILOT_ACCOUNT_MIN_S 60U
+
+/// A forecast learns from a second so many lamp ticks after the step, half a second from either decision.
+#define ELMOPP_PILOT_LEARN_DS 5U
 
 /// A movement waits if at least this many vehicles are counted on it.
 #define ELMOPP_PILOT_DEMAND_VEH 1.0F
@@ -66,6 +70,8 @@ typedef struct {
     uint32_t going;                                ///< mask of the movements that are green
     uint32_t waiting;                              ///< mask of the movements that waited on red in the last second
     bool begun;                                    ///< a stage has been aimed at: T counts
+    bool to_learn;                                 ///< the last step's second has not been learnt from
+    uint8_t since_ds;                              ///< lamp ticks since the last step; saturates
     elmopp_stage_t wanted;                         ///< the chooser's wish; ELMOPP_STAGE_NONE: none
     elmopp_foresight_t foresight;                  ///< of the last second
     float score[ELMOPP_STAGE_MAX];                 ///< the chooser's scores in the last second
@@ -103,6 +109,9 @@ void elmopp_pilot_look_on(elmopp_pilot_t *self);
 /// In place of a step, for a second in which nobody could count: nothing is learnt, the wish stays, and every movement
 /// on red counts as waiting, so that maximum greens and the bound on red still turn the stages.
 void elmopp_pilot_step_blind(elmopp_pilot_t *self);
+
+/// Learns from the last step's second, unless that has been done: what a lamp tick does, for whoever drives no lamps.
+void elmopp_pilot_learn(elmopp_pilot_t *self);
 
 /// Moves the plan by one lamp tick (100 ms) and returns the lamps until the next. `wanted`: the pilot's own wish, or
 /// somebody else's (a stage, ELMOPP_STAGE_RED or ELMOPP_STAGE_NONE). `occupied`: as elmopp_plan_step() has it.

@@ -27,7 +27,8 @@
 /// What is wrong. `first` and `second` of the verdict index what is named in brackets.
 typedef enum {
     ELMOPP_SITE_OK = 0,
-    ELMOPP_SITE_COUNTS,     ///< a count, a code or a length is out of bounds, or a street's discharge is no saturation
+    ELMOPP_SITE_COUNTS,     ///< a count, a code or a length is out of bounds, a street's discharge is no saturation, or
+                            ///< a forecast is to learn that cannot, or that nobody looks at
     ELMOPP_SITE_NAME,       ///< a name has no terminating zero
     ELMOPP_SITE_HOLD,       ///< not 1 <= hold_min_s <= hold_max_s <= ELMOPP_HORIZON_MAX
     ELMOPP_SITE_START,      ///< no such first stage, a camera without an approach, or a start-up time too long
@@ -63,7 +64,7 @@ typedef struct {
 } elmopp_site_verdict_t;
 
 /// The layout of elmopp_junction_t that this firmware reads; the envelope is image.h's.
-#define ELMOPP_SITE_IMAGE_VERSION_NOW 4U
+#define ELMOPP_SITE_IMAGE_VERSION_NOW 5U
 
 /// Ten minutes: no time of a site is longer.
 #define ELMOPP_SITE_TIME_MAX_DS 6000U

@@ -99,6 +99,10 @@ void elmopp_store_init(elmopp_store_t *self, const elmopp_store_medium_t *medium
 /// elmopp_store_tidy() or the next elmopp_store_save() follows.
 const uint8_t *elmopp_store_newest(const elmopp_store_t *self);
 
+/// True if a slot stands that was complete once, is newer than the newest image and is none any more: it was changed
+/// where it lay. A cut makes no such slot.
+bool elmopp_store_is_damaged(const elmopp_store_t *self);
+
 /// Asks for room: everything that is not in force is erased. Only from idle, and only before lamps are driven.
 void elmopp_store_tidy(elmopp_store_t *self);
 

@@ -23,6 +23,7 @@
 #include "elmopp/lstm_f32.h"
 
 #include <assert.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 /// The layout that this firmware reads.
@@ -60,6 +61,10 @@ typedef enum {
 
 /// What a fault is called, for a status line. Never null, whatever the number.
 const char *elmopp_weights_fault_name(elmopp_weights_fault_t fault);
+
+/// Whether weights may have been learnt from those that a network began with (learner.h): as many levels, and
+/// everything that learning leaves alone the same.
+bool elmopp_weights_are_learnt_from(const elmopp_weights_t *weights, const elmopp_weights_t *base);
 
 /// What an image of weights is.
 const elmopp_image_kind_t *elmopp_weights_kind(void);

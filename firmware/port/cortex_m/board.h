@@ -14,7 +14,11 @@
 ///
 /// In force is what a person has stored by hand; otherwise what came over the bus and was kept (keeper.h); otherwise
 /// what is compiled in. What is kept is tidied up before the first lamp tick, when an erase may hold everything up, and
-/// written ELMOPP_BOARD_ORDERS_MAX words a tick: 1 ms of flash mostly, 6.4 at most.
+/// written ELMOPP_BOARD_ORDERS_MAX words a tick, but for the tick of a decision: 1 ms of flash mostly, 6.4 at most.
+/// A site that learns on (learner.h) goes on with what was learnt and kept before, in the memory that the port has for
+/// it; without such memory one line says so, and the site runs with the weights as they are. If what was kept last has
+/// been damaged where it lay, that is one more trouble of the start: ELMOPP_FAULT_SITE_CHANGED or
+/// ELMOPP_FAULT_WEIGHTS_CHANGED.
 ///
 /// Between two looks at the clock it takes ELMOPP_BOARD_FRAMES_MAX frames at most: a flood does not keep lamps waiting.
 
@@ -27,7 +31,6 @@
 
 #define ELMOPP_BOARD_FRAMES_MAX 64U
 #define ELMOPP_BOARD_ORDERS_MAX 64U
-#define ELMOPP_BOARD_SAVE_MIN_S 86400U ///< a day between two stores of what was learned
 
 /// The site that is compiled in. Defined by the image's site (CMake option ELMOPP_BOARD_SITE).
 extern const elmopp_junction_t *const elmopp_board_site;

@@ -17,6 +17,7 @@
 
 #define WORD 4U
 #define ONES 0xFFU
+#define DECIDED 1U /* second_ds after the tick of a decision */
 
 /* What was found at the start. */
 typedef struct {
@@ -99,14 +100,17 @@ static const elmopp_junction_t *site_in_force(void) {
     return (site == NULL) ? elmopp_board_site : site;
 }
 
+/* Those by hand, if they can be used; who put some there wants no others. */
 static const elmopp_weights_t *shipped_for(const elmopp_junction_t *junction) {
-    return elmopp_forecast_is_nested(junction->forecast) ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
+    const elmopp_weights_t *compiled =
+        elmopp_forecast_is_nested(junction->forecast) ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
+    return elmopp_forecast_fits(junction->forecast, by_hand.weights) ? by_hand.weights : compiled;
 }
 
 /* What came over the bus was right for the site that ran then; another one may have no use for it. */
-static const elmopp_weights_t *weights_in_force(const elmopp_junction_t *junction) {
-    const elmopp_weights_t *weights = by_hand.has_weights ? by_hand.weights : elmopp_keeper_weights(&keeper);
-    return elmopp_forecast_fits(junction->forecast, weights) ? weights : shipped_for(junction);
+static elmopp_station_weights_t weights_in_force(const elmopp_junction_t *junction) {
+    const elmopp_weights_t *kept = by_hand.has_weights ? NULL : elmopp_keeper_weights(&keeper);
+    return elmopp_station_weights(junction, shipped_for(junction), kept);
 }
 
 /* Weights by hand must be of the kind that the site asks for: who put them there meant them to be used. */
@@ -135,13 +139,24 @@ static void work_for_store(uint32_t orders_max) {
     }
 }
 
-static void open_keeper(void) {
+static void look_for_damage(elmopp_transfer_kind_t kind, bool is_in_use, bool *trouble) {
+    if (is_in_use && elmopp_keeper_is_damaged(&keeper, kind)) {
+        elmopp_port_say((kind == ELMOPP_TRANSFER_SITE)
+                            ? "the site that was kept is damaged: an older one is in force"
+                            : "the weights that were kept are damaged: older ones are in force");
+        *trouble = true;
+    }
+}
+
+static void open_keeper(troubles_t *troubles) {
     const elmopp_keeper_config_t config = {.weights = elmopp_port_medium(ELMOPP_TRANSFER_WEIGHTS),
                                            .site = elmopp_port_medium(ELMOPP_TRANSFER_SITE),
                                            .weights_by_hand = by_hand.has_weights,
                                            .site_by_hand = by_hand.has_site,
-                                           .save_min_s = ELMOPP_BOARD_SAVE_MIN_S};
+                                           .save_min_s = elmopp_port_save_min_s()};
     elmopp_keeper_init(&keeper, &config);
+    look_for_damage(ELMOPP_TRANSFER_WEIGHTS, !by_hand.has_weights, &troubles->weights);
+    look_for_damage(ELMOPP_TRANSFER_SITE, !by_hand.has_site, &troubles->site);
     work_for_store(ELMOPP_KEEPER_TIDY_ORDERS_MAX);
 }
 
@@ -150,7 +165,12 @@ static void open_keeper(void) {
 static void begin(const troubles_t *troubles) {
     elmopp_controller_t *controller = &station.controller;
     const elmopp_junction_t *junction = site_in_force();
-    elmopp_station_init(&station, junction, &elmopp_weights_lstm.ar8, weights_in_force(junction));
+    const elmopp_station_weights_t weights = weights_in_force(junction);
+    const elmopp_station_room_t room = {.learning = elmopp_port_learning(), .inner = NULL};
+    elmopp_station_init(&station, junction, &elmopp_weights_lstm.ar8, &weights, &room);
+    if (!elmopp_station_learns_as_asked(&station)) {
+        elmopp_port_say("the site asks to learn on, and this board has no room for such a network: it does not learn");
+    }
     if (troubles->processor) {
         elmopp_controller_report(controller, ELMOPP_FAULT_PROCESSOR);
     }
@@ -209,7 +229,8 @@ static void use_what_is_new(elmopp_keeper_change_t change, const troubles_t *tro
             elmopp_controller_report(&station.controller, keeper.fault);
         }
     } else if (change == ELMOPP_KEEPER_USE_WEIGHTS) {
-        elmopp_controller_use_weights(&station.controller, weights_in_force(station.controller.junction));
+        const elmopp_station_weights_t weights = weights_in_force(station.controller.junction);
+        elmopp_station_use_weights(&station, &weights);
     } else {
         /* it goes on */
     }
@@ -236,7 +257,9 @@ static void tick(elmopp_controller_t *controller, elmopp_ms_t now_ms, const trou
     elmopp_pace_send(controller, out, count);
     tell(controller, before);
     use_what_is_new(change, troubles);
-    work_for_store(ELMOPP_BOARD_ORDERS_MAX);
+    if (controller->second_ds != DECIDED) {
+        work_for_store(ELMOPP_BOARD_ORDERS_MAX);
+    }
     elmopp_port_kick_watchdog();
 }
 
@@ -247,7 +270,7 @@ void elmopp_board_run(bool memory_is_good) {
     troubles.memory = !(memory_is_good && elmopp_seal_is_whole());
     troubles.processor = elmopp_note_take();
     load_by_hand(&troubles);
-    open_keeper();
+    open_keeper(&troubles);
     check_weights_by_hand(site_in_force(), &troubles);
     begin(&troubles);
     elmopp_pace_begin();

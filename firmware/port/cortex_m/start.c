@@ -4,7 +4,8 @@
 /// Start of a board: vectors, memory test, the C environment, main. A fault ends in elmopp_port_fail().
 ///
 /// The stack moves while RAM is tested, so that all of it is: first it lies in the upper half, then, in what has been
-/// found good, in the lower one. Only elmopp_note is left alone.
+/// found good, in the lower one. Only elmopp_note is left alone. A second block of RAM, if the board has one, is tested
+/// after that; it holds nothing but variables that begin with zero.
 
 #include "board.h"
 #include "elmopp/assert.h"
@@ -26,6 +27,7 @@ typedef struct {
 
 /* From the linker script. */
 extern uint32_t elmopp_ram_start[], elmopp_ram_middle[], elmopp_ram_end[];
+extern uint32_t elmopp_aside_start[], elmopp_aside_end[];
 extern uint32_t elmopp_data_load[], elmopp_data_start[], elmopp_data_end[];
 extern uint32_t elmopp_bss_start[], elmopp_bss_end[];
 
@@ -39,21 +41,30 @@ __attribute__((used)) static bool upper_half_is_good(void) {
     return elmopp_memory_test(elmopp_ram_middle, elmopp_ram_end);
 }
 
+__attribute__((used)) static bool second_block_is_good(void) {
+    return elmopp_memory_test(elmopp_aside_start, elmopp_aside_end);
+}
+
+static void clear(uint32_t *begin, const uint32_t *end) {
+    for (uint32_t *to = begin; to < end; to++) {
+        *to = 0U;
+    }
+}
+
 __attribute__((used, noreturn)) static void make_c_environment(bool memory_is_good) {
     const uint32_t *from = elmopp_data_load;
     for (uint32_t *to = elmopp_data_start; to < elmopp_data_end; to++) {
         *to = *from;
         from++;
     }
-    for (uint32_t *to = elmopp_bss_start; to < elmopp_bss_end; to++) {
-        *to = 0U;
-    }
+    clear(elmopp_bss_start, elmopp_bss_end);
+    clear(elmopp_aside_start, elmopp_aside_end);
     COPROCESSOR_ACCESS |= FPU_FULL_ACCESS;
     __asm__ volatile("dsb\n\tisb" : : : "memory");
     elmopp_board_run(memory_is_good);
 }
 
-/* Neither half may be called with its own stack under it; r4 keeps the first answer. */
+/* Neither half may be called with its own stack under it; r4 keeps the answers so far. */
 __attribute__((naked)) void elmopp_reset_handler(void) {
     __asm__ volatile("cpsid i\n\t"
                      "ldr r0, =elmopp_ram_end\n\t"
@@ -63,6 +74,8 @@ __attribute__((naked)) void elmopp_reset_handler(void) {
                      "ldr r0, =elmopp_ram_middle\n\t"
                      "mov sp, r0\n\t"
                      "bl upper_half_is_good\n\t"
+                     "and r4, r0, r4\n\t"
+                     "bl second_block_is_good\n\t"
                      "and r0, r0, r4\n\t"
                      "ldr r1, =elmopp_ram_end\n\t"
                      "mov sp, r1\n\t"

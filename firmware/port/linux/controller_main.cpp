@@ -133,13 +133,20 @@ const elmopp_weights_t *shipped_for(const elmopp_junction_t &junction) {
     return elmopp_forecast_is_nested(junction.forecast) ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
 }
 
-/// What is in force: what has come over the bus and was kept, or is on trial; otherwise what the command line says.
+/// All that learning on takes, with any network.
+struct LearningRoom {
+    elmopp_learning_t learning;
+    elmopp_trainer_inner_memory_t inner;
+};
+
+/// What is in force: what has come over the bus or was learnt and was kept, or is on trial; otherwise what the command
+/// line says.
 class Kept {
   public:
     Kept(const std::string &folder, const elmopp_junction_t &site, const elmopp_weights_t *weights)
         : base_site_(site), base_weights_(weights), keeper_(std::make_unique<elmopp_keeper_t>()) {
         elmopp_keeper_config_t config{};
-        config.save_min_s = 3600;
+        config.save_min_s = save_min_s;
         if (!folder.empty()) {
             folder_.emplace(folder);
             weights_files_ = std::make_unique<FileStore>(folder, "weights", image_bytes(*elmopp_weights_kind()));
@@ -155,6 +162,8 @@ class Kept {
         if (elmopp_keeper_weights(keeper_.get()) != nullptr) {
             say_it("the weights are those that were kept in " + folder + "/weights.*");
         }
+        tell_damage(ELMOPP_TRANSFER_SITE, folder + "/site.*");
+        tell_damage(ELMOPP_TRANSFER_WEIGHTS, folder + "/weights.*");
     }
 
     [[nodiscard]] elmopp_keeper_t &keeper() {
@@ -166,16 +175,29 @@ class Kept {
         return kept != nullptr ? *kept : base_site_;
     }
 
-    /// Those that the site can use: its own shipped ones, if nothing else fits.
-    [[nodiscard]] const elmopp_weights_t *weights_in_force() const {
+    /// Those that the site can use: its own shipped ones, if nothing else fits. What was kept is copied: as long as
+    /// they run, somebody learns from them and stores what he has learnt, where they stood in the end.
+    [[nodiscard]] elmopp_station_weights_t weights_in_force() {
         const elmopp_junction_t &site = site_in_force();
+        const bool given = elmopp_forecast_fits(site.forecast, base_weights_);
         const elmopp_weights_t *kept = elmopp_keeper_weights(keeper_.get());
-        for (const elmopp_weights_t *weights : {kept, base_weights_}) {
-            if (elmopp_forecast_fits(site.forecast, weights)) {
-                return weights;
-            }
+        elmopp_station_weights_t weights =
+            elmopp_station_weights(&site, given ? base_weights_ : shipped_for(site), kept);
+        if (weights.base == kept) {
+            *base_ = *kept;
+            weights.base = base_.get();
         }
-        return shipped_for(site);
+        return weights;
+    }
+
+    /// What is damaged is told as a fault, too: somebody has to look at it.
+    void report_damage(elmopp_controller_t &controller) const {
+        if (elmopp_keeper_is_damaged(keeper_.get(), ELMOPP_TRANSFER_SITE)) {
+            elmopp_controller_report(&controller, ELMOPP_FAULT_SITE_CHANGED);
+        }
+        if (elmopp_keeper_is_damaged(keeper_.get(), ELMOPP_TRANSFER_WEIGHTS)) {
+            elmopp_controller_report(&controller, ELMOPP_FAULT_WEIGHTS_CHANGED);
+        }
     }
 
     /// Carries out what the stores want done, as long as that takes no time.
@@ -206,6 +228,13 @@ class Kept {
 
   private:
     static constexpr unsigned orders_of_a_tick = 1024;
+    static constexpr std::uint32_t save_min_s = 3600; ///< between two stores of what was learnt: 300 MB a year
+
+    void tell_damage(elmopp_transfer_kind_t kind, const std::string &files) const {
+        if (elmopp_keeper_is_damaged(keeper_.get(), kind)) {
+            say_it("what was kept last in " + files + " is damaged: older, or what is shipped, is in force");
+        }
+    }
 
     static std::uint32_t image_bytes(const elmopp_image_kind_t &kind) {
         return ELMOPP_IMAGE_HEADER + kind.body_bytes;
@@ -213,6 +242,7 @@ class Kept {
 
     const elmopp_junction_t &base_site_;
     const elmopp_weights_t *base_weights_;
+    std::unique_ptr<elmopp_weights_t> base_ = std::make_unique<elmopp_weights_t>();
     std::optional<StoreFolder> folder_;
     std::unique_ptr<FileStore> weights_files_; ///< null: nowhere, and the keeper asks for nothing
     std::unique_ptr<FileStore> site_files_;
@@ -226,7 +256,8 @@ class Program {
         : bus_clock_(request.clock == "bus"), kept_(kept), log_(request.log),
           socket_(request.can, wanted_ids(kept_.site_in_force(), bus_clock_)),
           wakeups_(bus_clock_ ? 0 : ELMOPP_CONTROLLER_TICK_MS, {SIGTERM, SIGINT, SIGUSR1, SIGUSR2}),
-          station_(std::make_unique<elmopp_station_t>()), reporter_(program_name, request.can) {
+          station_(std::make_unique<elmopp_station_t>()), room_(std::make_unique<LearningRoom>()),
+          reporter_(program_name, request.can) {
         begin();
     }
 
@@ -253,7 +284,10 @@ class Program {
     }
 
     void begin() {
-        elmopp_station_init(station_.get(), &kept_.site_in_force(), &elmopp_weights_lstm.ar8, kept_.weights_in_force());
+        const elmopp_station_weights_t weights = kept_.weights_in_force();
+        const elmopp_station_room_t room{&room_->learning, &room_->inner};
+        elmopp_station_init(station_.get(), &kept_.site_in_force(), &elmopp_weights_lstm.ar8, &weights, &room);
+        kept_.report_damage(controller());
         elmopp_controller_hold_reset(&controller(), reset_held_);
         elmopp_link_init(&time_link_);
         trace_counter_ = 0;
@@ -347,7 +381,8 @@ class Program {
                 elmopp_controller_report(&controller(), kept_.keeper().fault);
             }
         } else if (change == ELMOPP_KEEPER_USE_WEIGHTS) {
-            elmopp_controller_use_weights(&controller(), kept_.weights_in_force());
+            const elmopp_station_weights_t weights = kept_.weights_in_force();
+            elmopp_station_use_weights(station_.get(), &weights);
         }
         kept_.work();
     }
@@ -388,6 +423,7 @@ class Program {
     CanSocket socket_;
     Wakeups wakeups_;
     std::unique_ptr<elmopp_station_t> station_;
+    std::unique_ptr<LearningRoom> room_;
     BusLog reporter_;
     elmopp_link_t time_link_{};
     std::uint8_t trace_counter_ = 0;
@@ -446,7 +482,8 @@ void add_options(CLI::App &app, Request &request) {
     app.add_option("--site", request.site, "The junction, .toml or .bin")->type_name("FILE")->required();
     app.add_option("--weights", request.weights, "ELMW image instead of the shipped network")->type_name("FILE");
     app.add_option("--store", request.store,
-                   "Folder for weights and a site that come over the bus; what is kept there is in force")
+                   "Folder for weights and a site that come over the bus, and for what a site with learning = true has "
+                   "learnt; what is kept there is in force")
         ->type_name("FOLDER");
     app.add_option("--clock", request.clock, "real, or bus: a simulator's SimTime frames are the lamp ticks")
         ->type_name("NAME")

@@ -25,15 +25,17 @@ namespace fs = std::filesystem;
 constexpr std::uint32_t sectors_of_files = 2;
 constexpr std::uint32_t word_bytes = ELMOPP_STORE_WORD;
 constexpr std::uint32_t blank_word = 0xFFFFFFFFU;
+constexpr char blank_byte = '\xFF';
+constexpr std::uint32_t mark_at = 2 * word_bytes; // of a slot, behind the number and its complement
 constexpr mode_t file_mode = 0644;
 
 std::string why(const std::string &what) {
     return what + ": " + std::generic_category().message(errno);
 }
 
-/// Writes everything and gets it to the disk. Empty, or why not.
-std::string write_all(const FileCalls &calls, const std::string &file, const std::vector<char> &bytes) {
-    const int descriptor = calls.open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, file_mode);
+/// Writes bytes to the beginning of a file and gets them to the disk. Empty, or why not.
+std::string write_all(const FileCalls &calls, const std::string &file, int flags, const std::vector<char> &bytes) {
+    const int descriptor = calls.open(file.c_str(), flags, file_mode);
     if (descriptor < 0) {
         return why(file);
     }
@@ -67,8 +69,15 @@ std::string sync_folder(const FileCalls &calls, const std::string &folder) {
     return trouble;
 }
 
-std::string write_file(const FileCalls &calls, const fs::path &file, const std::vector<char> &bytes) {
-    const std::string trouble = write_all(calls, file.string(), bytes);
+/// The whole without its mark and, when that is on the disk, its beginning again with the mark: so a file that has a
+/// mark and is not whole has been damaged, and was not cut while it was written.
+std::string write_file(const FileCalls &calls, const fs::path &file, std::vector<char> bytes) {
+    const std::vector<char> head(bytes.begin(), bytes.begin() + ELMOPP_STORE_HEAD);
+    std::fill_n(bytes.begin() + mark_at, word_bytes, blank_byte);
+    std::string trouble = write_all(calls, file.string(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, bytes);
+    if (trouble.empty()) {
+        trouble = write_all(calls, file.string(), O_WRONLY | O_CLOEXEC, head);
+    }
     return trouble.empty() ? sync_folder(calls, file.parent_path().string()) : trouble;
 }
 

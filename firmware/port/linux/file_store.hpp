@@ -5,9 +5,9 @@
 ///
 /// The medium is a copy of both in memory, in which words are programmed and sectors erased as in flash. Only the mark
 /// of a slot reaches the disk, and with it the whole sector, into the file that is not in force: written, to the disk
-/// (fsync), and the folder to the disk, too. A file that is cut has another length or another checksum and is none; the
-/// one in force is not touched meanwhile, so that no draft and no renaming is needed. If only the last step fails, it
-/// is told as a failure and may yet be there at the next start.
+/// (fsync), then its mark, and then the folder. A file that is cut has another length or another checksum and is none;
+/// the one in force is not touched meanwhile, so that no draft and no renaming is needed. If only the last step fails,
+/// it is told as a failure and may yet be there at the next start.
 ///
 /// A disk may take longer than a lamp tick: this is done by a thread of its own, without the program's urgency, and the
 /// order is answered with "later" until it is done.

@@ -31,6 +31,7 @@
 #define SECTOR_SLOTS 3U
 #define SLOT_BYTES 0xA000U
 #define ONES 0xFFFFFFFFU
+#define SAVE_MIN_S 600U /* memory does not wear out; as long as it takes to say that something was learnt */
 
 /* The first time that the watchdog runs out it is a non-maskable interrupt, which ends the run as a fault does; the
    second time it resets (Arm DDI 0479D, 4.5). Lamp nodes flash long before. */
@@ -54,6 +55,7 @@ static elmopp_uart_t people_uart;
 static elmopp_slcan_t adaptor;
 static uint32_t told_dropped;
 static bool reset_held;
+static elmopp_learning_t learning;
 
 /* --- interrupts --- */
 
@@ -189,6 +191,14 @@ elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmop
         *word &= order->word;
     }
     return ELMOPP_STORE_DONE;
+}
+
+uint32_t elmopp_port_save_min_s(void) {
+    return SAVE_MIN_S;
+}
+
+elmopp_learning_t *elmopp_port_learning(void) {
+    return &learning;
 }
 
 void elmopp_port_say(const char *text) {

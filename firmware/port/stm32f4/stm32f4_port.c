@@ -43,6 +43,14 @@ extern elmopp_register_t elmopp_store_area[];
 #define STORE_SLOT_BYTES 0xA000U
 static_assert((2U * STORE_BYTES) == ELMOPP_FLASH_WRITER_BYTES, "weights, then a site");
 
+/* A sector endures 10,000 erases (DS8626, flash memory endurance) and takes three images between two of them: at one a
+   day both sectors last for 10,000 x 3 x 2 days, 164 years; 27 if every image cost an erase of its own. */
+#define SAVE_MIN_S 86400U
+
+/* In the core-coupled memory, which nothing else uses: no DMA reaches it and no code runs there (RM0090 section 2.3.1).
+   Nothing here has either. */
+static elmopp_learning_t learning __attribute__((section(".bss.aside")));
+
 /* Whatever a controller listens to, at any site; SimTime is not among them. */
 #define FEEDBACK(node) (ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID + (node))
 #define CAMERA(approach) (ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID + (approach))
@@ -295,6 +303,14 @@ elmopp_store_answer_t elmopp_port_store(elmopp_transfer_kind_t kind, const elmop
     }
     flash_trouble = trouble;
     return (trouble == ELMOPP_FLASH_WRITER_WELL) ? ELMOPP_STORE_DONE : ELMOPP_STORE_FAILED;
+}
+
+uint32_t elmopp_port_save_min_s(void) {
+    return SAVE_MIN_S;
+}
+
+elmopp_learning_t *elmopp_port_learning(void) {
+    return &learning;
 }
 
 void elmopp_port_say(const char *text) {
