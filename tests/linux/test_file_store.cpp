@@ -25,7 +25,6 @@ extern "C" {
 #include <fstream>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <thread>
 
@@ -60,8 +59,8 @@ struct Disk {
     int error = 0;    ///< ... with this errno
     bool cut = false; ///< ... as do all that follow: the power has gone
     std::map<int, std::string> open_files;
-    bool folder_unsafe = false;   ///< it has names that are not yet on the disk
-    std::set<std::string> unsafe; ///< files with bytes that are not yet on the disk
+    bool folder_unsafe = false;          ///< it has names that are not yet on the disk
+    std::map<std::string, off_t> unsafe; ///< files with bytes that are not yet on the disk, and where these end
 };
 Disk disk;
 
@@ -88,8 +87,9 @@ ssize_t write_it(int descriptor, const void *bytes, std::size_t length) {
     if (fails()) {
         return -1;
     }
-    disk.unsafe.insert(disk.open_files.at(descriptor));
-    return ::write(descriptor, bytes, std::max<std::size_t>(1, length / 3)); // never all at once
+    const ssize_t written = ::write(descriptor, bytes, std::max<std::size_t>(1, length / 3)); // never all at once
+    disk.unsafe[disk.open_files.at(descriptor)] = ::lseek(descriptor, 0, SEEK_CUR);
+    return written;
 }
 
 int fsync_it(int descriptor) {
@@ -104,10 +104,19 @@ int fsync_it(int descriptor) {
 
 const FileCalls broken_calls{open_it, write_it, fsync_it};
 
-/// The power has gone: what was not asked to be on the disk has lost half of its bytes.
-void lose_what_was_not_on_the_disk() {
-    for (const std::string &file : disk.unsafe) {
-        fs::resize_file(file, fs::file_size(file) / 2);
+/// What has become of bytes that were not asked to be on the disk, when the power goes: half of them are gone, and the
+/// file ends there, or has zeros in their place.
+enum class Loss { none, end, zeros };
+
+void lose_what_was_not_on_the_disk(Loss loss) {
+    for (const auto &[file, end] : disk.unsafe) {
+        if (loss == Loss::end && static_cast<std::uintmax_t>(end) == fs::file_size(file)) {
+            fs::resize_file(file, fs::file_size(file) / 2);
+        } else if (loss == Loss::zeros) {
+            std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+            stream.seekp(end / 2);
+            stream << std::string(static_cast<std::size_t>(end - end / 2), '\0');
+        }
     }
 }
 
@@ -192,7 +201,8 @@ void test_the_order_to_seal_is_put_off_until_the_disk_has_it_and_costs_no_time()
 }
 
 /// Each call in turn fails with this errno, once or as the last of all.
-void try_every_call(int error, bool cut) {
+void try_every_call(int error, Loss loss) {
+    const bool cut = loss != Loss::none;
     bool reached = true;
     for (int failing = 0; reached; ++failing) {
         const TemporaryFolder folder;
@@ -211,9 +221,10 @@ void try_every_call(int error, bool cut) {
             TEST_ASSERT_EQUAL_UINT(said_kept ? 3U : 2U, opened.content());
         }
         if (cut) {
-            lose_what_was_not_on_the_disk();
+            lose_what_was_not_on_the_disk(loss);
         }
         Opened again(folder.path(), quick_calls);
+        TEST_ASSERT_FALSE_MESSAGE(elmopp_store_is_damaged(&again.store), "a cut is no damage");
         const unsigned found = again.content();
         TEST_ASSERT_TRUE_MESSAGE(found == 2U || found == 3U, "neither");
         TEST_ASSERT_TRUE_MESSAGE(found == 3U || !said_kept, "what was said to be kept is not there");
@@ -224,12 +235,13 @@ void try_every_call(int error, bool cut) {
 
 void test_a_full_disk_a_broken_one_or_one_without_permission_loses_nothing_whichever_call_it_is() {
     for (const int error : {ENOSPC, EIO, EACCES, EROFS}) {
-        try_every_call(error, false);
+        try_every_call(error, Loss::none);
     }
 }
 
 void test_a_loss_of_power_at_every_call_leaves_the_old_image_or_the_new_one() {
-    try_every_call(EIO, true);
+    try_every_call(EIO, Loss::end);
+    try_every_call(EIO, Loss::zeros);
 }
 
 void test_what_is_said_to_be_kept_is_on_the_disk_with_its_name() {
@@ -248,10 +260,19 @@ void test_a_file_that_is_cut_or_changed_is_none() {
     const fs::path newest = folder.path() / "thing.1";
     fs::resize_file(newest, fs::file_size(newest) - 1);
     TEST_ASSERT_EQUAL_UINT(1U, Opened(folder.path()).content());
+    Opened cut(folder.path());
+    TEST_ASSERT_FALSE(elmopp_store_is_damaged(&cut.store));
     std::ofstream(newest) << "somebody's own";
     TEST_ASSERT_EQUAL_UINT(1U, Opened(folder.path()).content());
     save_surely(folder.path(), 3);
     TEST_ASSERT_EQUAL_UINT(3U, Opened(folder.path()).content());
+    std::fstream changed(newest, std::ios::in | std::ios::out | std::ios::binary);
+    changed.seekp(100);
+    changed << 'x';
+    changed.close();
+    Opened damaged(folder.path());
+    TEST_ASSERT_EQUAL_UINT(1U, damaged.content());
+    TEST_ASSERT_TRUE(elmopp_store_is_damaged(&damaged.store));
 }
 
 template <typename Act> void expect_refused(const char *words, Act act) {
