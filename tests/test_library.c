@@ -9,6 +9,7 @@
 #include "elmopp/image.h"
 #include "elmopp/lamps.h"
 #include "elmopp/pilot.h"
+#include "elmopp/site.h"
 #include "elmopp/urgency.h"
 #include "image_writer.h"
 #include "random.h"
@@ -20,7 +21,6 @@
 #include <stddef.h>
 #include <string.h>
 
-#define SITE_VERSION 4U
 #define SECONDS 900U
 #define TICKS 10U
 
@@ -49,7 +49,7 @@ void tearDown(void) {
 
 static void name_site(const elmopp_junction_t *site) {
     memcpy(&image[ELMOPP_IMAGE_HEADER], site, sizeof *site);
-    image_seal(image, "ELMS", SITE_VERSION, sizeof *site);
+    image_seal(image, "ELMS", ELMOPP_SITE_IMAGE_VERSION_NOW, sizeof *site);
     options = (elmopp_options_t){.size = sizeof options, .site = image, .site_bytes = sizeof image};
 }
 
