@@ -24,6 +24,7 @@ void Witness::see(const elmopp_lamps_t &lamps) {
         if (is_green && !was_green) {
             see_start(g);
         }
+        see_amber(g, elmopp_lamps_aspect(&lamps, g));
     }
     green_ = green;
 }
@@ -35,6 +36,18 @@ void Witness::see_start(std::uint32_t group) {
             ++early_greens_;
             return;
         }
+    }
+}
+
+void Witness::see_amber(std::uint32_t group, elmopp_aspect_t aspect) {
+    std::optional<std::uint64_t> &amber_ds = amber_ds_.at(group);
+    if (aspect == ELMOPP_ASPECT_GREEN) {
+        amber_ds = 0;
+    } else if (aspect == ELMOPP_ASPECT_AMBER && amber_ds) {
+        ++*amber_ds;
+    } else {
+        short_ambers_ += aspect == ELMOPP_ASPECT_RED && amber_ds && *amber_ds < site_.group[group].amber_ds ? 1U : 0U;
+        amber_ds.reset();
     }
 }
 

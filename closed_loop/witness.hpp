@@ -4,8 +4,9 @@
 /// Witness: somebody beside the road who looks at the lamps alone, in every lamp tick, and writes down what must not
 /// be.
 ///
-/// A third opinion beside plan and monitor, which it does not know: no two conflicting groups off red at once, and from
-/// the end of a green to the beginning of a conflicting one no less than the site's intergreen. It stops nobody.
+/// A third opinion beside plan and monitor, which it does not know: no two conflicting groups off red at once; from the
+/// end of a green to the beginning of a conflicting one no less than the site's intergreen; from green to red by amber,
+/// for the site's time. Lamps that begin to flash or go dark have no amber to show. It stops nobody.
 
 #pragma once
 
@@ -13,6 +14,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 namespace elmopp {
 
@@ -36,15 +38,27 @@ class Witness {
         return early_greens_;
     }
 
+    /// Greens that went to red without their amber, or with a shorter one.
+    [[nodiscard]] std::uint64_t short_ambers() const {
+        return short_ambers_;
+    }
+    /// All of these.
+    [[nodiscard]] std::uint64_t findings() const {
+        return conflicts_ + early_greens_ + short_ambers_;
+    }
+
   private:
     void see_start(std::uint32_t group);
+    void see_amber(std::uint32_t group, elmopp_aspect_t aspect);
 
     const elmopp_junction_t &site_;
     std::uint32_t green_ = 0;
     std::array<std::uint64_t, ELMOPP_GROUP_MAX> ended_ds_{}; ///< tick at which its last green ended; 0: it had none
     std::uint64_t ticks_ = 0;
     std::uint64_t conflicts_ = 0;
+    std::array<std::optional<std::uint64_t>, ELMOPP_GROUP_MAX> amber_ds_{}; ///< so far; nothing: no green before it
     std::uint64_t early_greens_ = 0;
+    std::uint64_t short_ambers_ = 0;
 };
 
 } // namespace elmopp

@@ -140,6 +140,29 @@ void test_the_witness_sees_a_green_before_its_intergreen_is_over() {
     TEST_ASSERT_EQUAL_UINT64(1, early_after(0));
 }
 
+std::uint64_t short_ambers_after(unsigned amber_ds, const elmopp_lamps_t &then) {
+    Witness witness(elmopp_site_four_way);
+    witness.see(lamps_of(em, 0, nl));
+    for (unsigned i = 0; i < amber_ds; ++i) {
+        witness.see(lamps_of(em, nl, 0));
+    }
+    witness.see(then);
+    witness.see(lamps_of(nl | em, 0, 0));
+    return witness.short_ambers();
+}
+
+void test_the_witness_sees_a_skipped_and_a_short_amber_and_asks_none_of_who_flashes() {
+    TEST_ASSERT_EQUAL_UINT16(30, elmopp_site_four_way.group[0].amber_ds);
+    const elmopp_lamps_t red = lamps_of(nl | em, 0, 0);
+    TEST_ASSERT_EQUAL_UINT64(0, short_ambers_after(30, red));
+    TEST_ASSERT_EQUAL_UINT64(1, short_ambers_after(29, red));
+    TEST_ASSERT_EQUAL_UINT64(1, short_ambers_after(0, red));
+    elmopp_lamps_t flashing = lamps_of(0, nl | em, 0);
+    flashing.flash = nl | em;
+    TEST_ASSERT_EQUAL_UINT64(0, short_ambers_after(0, flashing));
+    TEST_ASSERT_EQUAL_UINT64(0, short_ambers_after(10, flashing));
+}
+
 void test_troubles_are_read_as_they_are_written() {
     const auto troubles = parse_troubles("black:N@60-90.5,lose:10@0-5,reset@200", elmopp_site_four_way);
     TEST_ASSERT_EQUAL_UINT(3, troubles.size());
@@ -175,6 +198,7 @@ int main() {
     RUN_TEST(test_headlights_light_the_road_before_a_vehicle);
     RUN_TEST(test_the_witness_sees_conflicting_groups_off_red);
     RUN_TEST(test_the_witness_sees_a_green_before_its_intergreen_is_over);
+    RUN_TEST(test_the_witness_sees_a_skipped_and_a_short_amber_and_asks_none_of_who_flashes);
     RUN_TEST(test_troubles_are_read_as_they_are_written);
     RUN_TEST(test_a_wrong_trouble_is_refused_by_name);
     return UNITY_END();
