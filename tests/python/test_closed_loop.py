@@ -233,7 +233,10 @@ def test_a_board_that_is_reset_in_mid_green_begins_anew(tmp_path: Path) -> None:
         (["--scene", "fog"], '--scene "fog": right would be one of day, '),
         (["--faults", "fog:N@1-2"], '--faults "fog:N@1-2": right would be'),
         (["--link", "tcp:1"], '--link "tcp:1": right would be inproc'),
-        (["--link", "can:none", "--faults", "reset@3"], "--faults reset with --link can:none: right would be --reset-c"),
+        (
+            ["--link", "can:none", "--faults", "reset@3"],
+            "--link can:none: right would be --reset-command",
+        ),
         (["--reset-command", "true"], '--reset-command "true" is never run'),
         (["--site", "sites/paper.toml"], "simulation_only"),
         (["--chooser", "nobody"], "nobody"),
@@ -274,7 +277,9 @@ def test_all_cameras_count_in_every_scene(tmp_path: Path, scene: str) -> None:
 @pytest.mark.others
 def test_a_long_day_of_faults_is_safe(tmp_path: Path) -> None:
     site = site_with(tmp_path, ["N", "E", "S", "W"])
-    faults = "black:all@40-80,turn:N@120-160,freeze:S@150-200,gone:W@220-260,reset@300-303,black:N@302-330,lose:3@400-600"
+    faults = (
+        "black:all@40-80,turn:N@120-160,freeze:S@150-200,gone:W@220-260,reset@300-303,black:N@302-330,lose:3@400-600"
+    )
     result, street = run(tmp_path / "out", site, 600, "--faults", faults)
     expect_safe(site, result, street)
     assert modes(street, 45, 80) == {"fixed_time"}

@@ -313,6 +313,7 @@ def test_a_controller_on_a_bus_is_looked_at_only(browser: Browser) -> None:
         assert [row[2] for row in rows] == ["4", "?"]
         assert [row[1] for row in rows] == ["Ggreen", "Rred but shows dark"]
         assert text(browser, "differ") == "not W"
+        assert browser.run(MAP_LETTERS) == ["G", "R!"]
         assert "does not send its urgencies" in text(browser, "no-urgency")
         assert "The mean stands in: the forecast has seen too little." in text(browser, "forecast-words")
         picture(browser, "live-bus")

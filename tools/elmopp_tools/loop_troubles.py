@@ -56,9 +56,26 @@ class Seen:
     street: list[dict[str, Any]]
 
 
+def is_there(folder: Path, wanted: dict[str, object]) -> bool:
+    """True if a run of before has answered this."""
+    try:
+        result = read(folder)
+    except (OSError, ValueError):
+        return False
+    return all(result.get(key) == value for key, value in wanted.items())
+
+
+def findings(result: Result) -> list[int]:
+    """The witness's, of each kind."""
+    return [result[key] for key in ("conflicts", "early_greens", "short_ambers")]
+
+
 def run(arguments: argparse.Namespace, trouble: str, seed: int) -> Row:
-    """The whole chain once."""
+    """The whole chain once, unless it was run before."""
     folder = arguments.out / f"{trouble.replace(':', '-').replace('@', '-') or 'none'}-{seed}"
+    wanted = {"seconds": arguments.seconds, "vehicles": arguments.vehicles, "seed": seed, "faults": trouble}
+    if is_there(folder, wanted):
+        return Row(trouble, seed, folder, EXIT_FAILED if any(findings(read(folder))) else EXIT_DONE, "run before")
     command = [str(arguments.program), "--seconds", str(arguments.seconds), "--vehicles", str(arguments.vehicles)]
     command += ["--seed", str(seed), "--out", str(folder), "--faults", trouble]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
@@ -89,22 +106,23 @@ def table_row(trouble: str, those: Sequence[Seen], without: Sequence[Seen]) -> s
     cost = paired(delay, usual) if trouble else None
     told = "-" if cost is None else f"{cost.mean:+.1f} [{cost.low:+.1f}, {cost.high:+.1f}]"
     red = max(each.result["longest_red_camera_s"] for each in those)
-    findings = "/".join(
-        str(sum(each.result[key] for each in those)) for key in ("conflicts", "early_greens", "short_ambers")
-    )
+    found = "/".join(str(sum(kind)) for kind in zip(*(findings(each.result) for each in those), strict=True))
     street = those[0].street
     return (
         f"| {f'`{trouble}`' if trouble else 'none'} | {statistics.fmean(delay):.1f} | {told} | {red:.0f} "
-        f"| {in_order([second['mode'] for second in street])} | {reasons(street)} | {findings} |"
+        f"| {in_order([second['mode'] for second in street])} | {reasons(street)} | {found} |"
     )
 
 
 def table(rows: Sequence[Row]) -> list[str]:
     """In the order of the troubles."""
     by_trouble = {trouble: [seen(row) for row in rows if row.trouble == trouble] for trouble in TROUBLES}
-    return [
+    head = (
         "| trouble | delay, s | what it costs, s [95 %] | longest red, s | modes and their seconds, first seed "
-        "| said, first seed | conflicts/early greens/short ambers |",
+        "| said, first seed | conflicts/early greens/short ambers |"
+    )
+    return [
+        head,
         "| --- | ---: | ---: | ---: | --- | --- | ---: |",
         *(table_row(trouble, those, by_trouble[""]) for trouble, those in by_trouble.items()),
     ]
@@ -122,7 +140,8 @@ def refusal(arguments: argparse.Namespace) -> str | None:
 def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="closed-loop-troubles",
-        description="Runs the closed loop without and with each of seven troubles and prints what the street saw.",
+        description="Runs the closed loop without and with each of seven troubles and prints what the street saw. "
+        "Goes on where it was broken off.",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="one folder a run goes into it")
     parser.add_argument("--seconds", type=int, default=240, metavar="S")
@@ -136,12 +155,12 @@ def main(words: Sequence[str] | None = None) -> int:
         print(f"closed-loop-troubles: {reason}", file=sys.stderr)
         return EXIT_REFUSED
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        runs = [pool.submit(run, arguments, trouble, seed) for trouble in TROUBLES for seed in arguments.seeds]
+        runs = [pool.submit(run, arguments, trouble, seed) for seed in arguments.seeds for trouble in TROUBLES]
         rows = [each.result() for each in runs]
     for row in rows:
         if row.exit_code != EXIT_DONE:
             print(f"closed-loop-troubles: {row.trouble or 'none'}, seed {row.seed}: {row.said}", file=sys.stderr)
-    if any(row.exit_code not in (EXIT_DONE, EXIT_FAILED) or not (row.folder / "closed_loop.json").exists() for row in rows):
+    if any(row.exit_code not in (EXIT_DONE, EXIT_FAILED) or not is_there(row.folder, {}) for row in rows):
         return EXIT_FAILED
     print("\n".join(table(rows)))
     return max(row.exit_code for row in rows)
