@@ -7,11 +7,10 @@
 #include "can_socket.hpp"
 #include "error.hpp"
 #include "junction_view.hpp"
+#include "overheard.hpp"
 
 extern "C" {
-#include "bench.h"
 #include "elmopp_can.h"
-#include "unity.h"
 }
 
 #include <algorithm>
@@ -50,27 +49,8 @@ void expect(const JunctionView &view, std::uint32_t now_ms, const std::vector<st
     }
 }
 
-JunctionView *listener = nullptr;
-bench_t bench;
-
-void hear(const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-}
-
-bench_fate_t overhear(void * /*state*/, const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-    return BENCH_PASS;
-}
-
-/// A junction of three approaches in automatic mode, overheard from both sides.
 void start(const elmopp_junction_t &site, JunctionView &view) {
-    listener = &view;
-    bench_start(&bench, &site);
-    bench.heard = hear;
-    bench.fate = overhear;
-    bench_fill(&bench);
-    TEST_ASSERT_TRUE(bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 600));
-    bench_ticks(&bench, 40);
+    start_overheard(site, [&view](const elmopp_frame_t &frame, std::uint32_t now_ms) { view.hear(frame, now_ms); }, 40);
 }
 
 void test_nobody_on_the_bus_is_silence() {

@@ -6,11 +6,10 @@
 #include "bus_seconds.hpp"
 #include "event_stream.hpp"
 #include "junction_json.hpp"
+#include "overheard.hpp"
 
 extern "C" {
-#include "bench.h"
 #include "elmopp_can.h"
-#include "unity.h"
 }
 
 #include <nlohmann/json.hpp>
@@ -106,26 +105,9 @@ void test_closing_lets_those_go_who_wait(void) {
 
 // --- a bus ---
 
-BusSeconds *listener = nullptr;
-bench_t bench;
-
-void hear(const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-}
-
-bench_fate_t overhear(void * /*state*/, const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-    return BENCH_PASS;
-}
-
 void start(const elmopp_junction_t &site, BusSeconds &seconds) {
-    listener = &seconds;
-    bench_start(&bench, &site);
-    bench.heard = hear;
-    bench.fate = overhear;
-    bench_fill(&bench);
-    TEST_ASSERT_TRUE(bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 600));
-    bench_ticks(&bench, 100);
+    start_overheard(
+        site, [&seconds](const elmopp_frame_t &frame, std::uint32_t now_ms) { seconds.hear(frame, now_ms); }, 100);
 }
 
 void test_a_line_says_what_the_frames_said(void) {
