@@ -181,7 +181,7 @@ void StreetBus::pull_or_put_plug() {
     const auto due = std::find_if(troubles_.begin(), troubles_.end(), [this](const Trouble &trouble) {
         return trouble.kind == "reset" && run_s() >= trouble.from_s;
     });
-    if (controller_ && (shown_.green & ~shown_.flash) != 0 && due != troubles_.end()) {
+    if (controller_ && (std::uint32_t{shown_.green} & ~std::uint32_t{shown_.flash}) != 0U && due != troubles_.end()) {
         const double out_s = due->to_s < for_ever_s ? due->to_s - due->from_s : 0.0;
         back_ticks_ = ticks_ + std::lround(out_s * bus_ticks_per_s);
         troubles_.erase(due);

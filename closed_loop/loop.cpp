@@ -76,7 +76,7 @@ class Mosaic {
 /// What one run was like.
 struct Run {
     Metrics metrics;
-    std::optional<Witness> witness;
+    Findings found;
     std::vector<LaneTally> lanes;
     double present_error_veh = 0.0; ///< mean over seconds and movements
     unsigned doubted_s = 0;         ///< seconds in which a counter did not believe its camera
@@ -133,8 +133,10 @@ class LoopProgram {
         if (mosaic_) {
             mosaic_->finish();
         }
-        write(perfect, camera);
-        if (camera.witness->findings() + perfect.witness->findings() > 0) {
+        Findings found = camera.found;
+        found += perfect.found;
+        write(perfect, camera, found);
+        if (found.conflicts + found.early_greens + found.short_ambers > 0) {
             throw Failure("the lamps showed what they must not: see conflicts, early_greens and short_ambers in " +
                           (request_.out / "closed_loop.json").string());
         }
@@ -192,7 +194,7 @@ class LoopProgram {
 
     [[nodiscard]] Run drive(bool with_cameras);
     void log(std::ostream &out, const Second &second, const BusSecond &bus, const std::vector<int> &there) const;
-    void write(const Run &perfect, const Run &camera) const;
+    void write(const Run &perfect, const Run &camera, const Findings &found) const;
     [[nodiscard]] std::vector<std::unique_ptr<Film>> films() const;
 
     const LoopRequest &request_;
@@ -242,7 +244,7 @@ class StreetRun {
             run.lanes.insert(run.lanes.end(), lanes.begin(), lanes.end());
         }
         run.present_error_veh /= static_cast<double>(loop_.request_.seconds * there_.size());
-        run.witness.emplace(bus_->witness());
+        run.found = bus_->witness().findings();
         if (log_) {
             log_->commit();
         }
@@ -320,7 +322,7 @@ void LoopProgram::log(std::ostream &out, const Second &second, const BusSecond &
     out << line.dump() << "\n";
 }
 
-void LoopProgram::write(const Run &perfect, const Run &camera) const {
+void LoopProgram::write(const Run &perfect, const Run &camera, const Findings &found) const {
     Json lanes = Json::array();
     std::int64_t wrong = 0;
     std::int64_t crossed = 0;
@@ -340,10 +342,10 @@ void LoopProgram::write(const Run &perfect, const Run &camera) const {
                       {"vehicles_out_camera", camera.metrics.vehicles_out},
                       {"vehicles_out_perfect", perfect.metrics.vehicles_out},
                       {"doubted_s", camera.doubted_s},
-                      {"lamp_ticks", camera.witness->ticks() + perfect.witness->ticks()},
-                      {"conflicts", camera.witness->conflicts() + perfect.witness->conflicts()},
-                      {"early_greens", camera.witness->early_greens() + perfect.witness->early_greens()},
-                      {"short_ambers", camera.witness->short_ambers() + perfect.witness->short_ambers()},
+                      {"lamp_ticks", found.ticks},
+                      {"conflicts", found.conflicts},
+                      {"early_greens", found.early_greens},
+                      {"short_ambers", found.short_ambers},
                       {"site", site_.name},
                       {"chooser", full_name(chooser_.label(), chooser_.forecast)},
                       {"demand", request_.demand},

@@ -18,6 +18,21 @@
 
 namespace elmopp {
 
+struct Findings {
+    std::uint64_t ticks = 0;        ///< looked at
+    std::uint64_t conflicts = 0;    ///< ticks in which two conflicting groups were off red
+    std::uint64_t early_greens = 0; ///< that began too early after a conflicting one
+    std::uint64_t short_ambers = 0; ///< from green to red without its amber, or with a shorter one
+
+    Findings &operator+=(const Findings &other) {
+        ticks += other.ticks;
+        conflicts += other.conflicts;
+        early_greens += other.early_greens;
+        short_ambers += other.short_ambers;
+        return *this;
+    }
+};
+
 class Witness {
   public:
     /// The site must outlive it.
@@ -26,25 +41,8 @@ class Witness {
     /// What the lamps show in this lamp tick.
     void see(const elmopp_lamps_t &lamps);
 
-    [[nodiscard]] std::uint64_t ticks() const {
-        return ticks_;
-    }
-    /// Ticks in which two conflicting groups were off red.
-    [[nodiscard]] std::uint64_t conflicts() const {
-        return conflicts_;
-    }
-    /// Greens that began too early after a conflicting one.
-    [[nodiscard]] std::uint64_t early_greens() const {
-        return early_greens_;
-    }
-
-    /// Greens that went to red without their amber, or with a shorter one.
-    [[nodiscard]] std::uint64_t short_ambers() const {
-        return short_ambers_;
-    }
-    /// All of these.
-    [[nodiscard]] std::uint64_t findings() const {
-        return conflicts_ + early_greens_ + short_ambers_;
+    [[nodiscard]] const Findings &findings() const {
+        return found_;
     }
 
   private:
@@ -54,11 +52,8 @@ class Witness {
     const elmopp_junction_t &site_;
     std::uint32_t green_ = 0;
     std::array<std::uint64_t, ELMOPP_GROUP_MAX> ended_ds_{}; ///< tick at which its last green ended; 0: it had none
-    std::uint64_t ticks_ = 0;
-    std::uint64_t conflicts_ = 0;
     std::array<std::optional<std::uint64_t>, ELMOPP_GROUP_MAX> amber_ds_{}; ///< so far; nothing: no green before it
-    std::uint64_t early_greens_ = 0;
-    std::uint64_t short_ambers_ = 0;
+    Findings found_;
 };
 
 } // namespace elmopp

@@ -109,18 +109,18 @@ constexpr std::uint16_t em = 1U << 4U;
 void test_the_witness_sees_conflicting_groups_off_red() {
     Witness witness(elmopp_site_four_way);
     witness.see(lamps_of(em, 0, nl | nm));
-    TEST_ASSERT_EQUAL_UINT64(0, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(0, witness.findings().conflicts);
     witness.see(lamps_of(0, em, nl)); // amber is off red
-    TEST_ASSERT_EQUAL_UINT64(1, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(1, witness.findings().conflicts);
     witness.see(lamps_of(em, em, nl)); // red-amber is not
-    TEST_ASSERT_EQUAL_UINT64(1, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(1, witness.findings().conflicts);
     witness.see(lamps_of(0, 0, nl | em));
-    TEST_ASSERT_EQUAL_UINT64(2, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(2, witness.findings().conflicts);
     elmopp_lamps_t flashing = lamps_of(0, nl | em, 0);
     flashing.flash = nl | em;
     witness.see(flashing);
-    TEST_ASSERT_EQUAL_UINT64(2, witness.conflicts());
-    TEST_ASSERT_EQUAL_UINT64(5, witness.ticks());
+    TEST_ASSERT_EQUAL_UINT64(2, witness.findings().conflicts);
+    TEST_ASSERT_EQUAL_UINT64(5, witness.findings().ticks);
 }
 
 std::uint64_t early_after(unsigned red_ds) {
@@ -130,7 +130,7 @@ std::uint64_t early_after(unsigned red_ds) {
         witness.see(lamps_of(nl | em, 0, 0));
     }
     witness.see(lamps_of(nl, 0, em));
-    return witness.early_greens();
+    return witness.findings().early_greens;
 }
 
 void test_the_witness_sees_a_green_before_its_intergreen_is_over() {
@@ -148,7 +148,7 @@ std::uint64_t short_ambers_after(unsigned amber_ds, const elmopp_lamps_t &then) 
     }
     witness.see(then);
     witness.see(lamps_of(nl | em, 0, 0));
-    return witness.short_ambers();
+    return witness.findings().short_ambers;
 }
 
 void test_the_witness_sees_a_skipped_and_a_short_amber_and_asks_none_of_who_flashes() {
