@@ -49,6 +49,13 @@ def test_each_trouble_has_its_row_and_what_it_costs(tmp_path: Path, capsys: pyte
     assert "reset@60-63, seed 2" in said.err
 
 
+def test_one_seed_has_a_difference_and_no_interval(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert asked(tmp_path, "--seeds", "1") == 1
+    rows = capsys.readouterr().out.splitlines()[2:]
+    assert rows[0].startswith("| none | 20.0 | - | 61 |")
+    assert rows[7].startswith("| `reset@60-63` | 24.0 | +4.0 | 61 |")
+
+
 def test_it_goes_on_where_it_was_broken_off(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     asked(tmp_path)
     first = capsys.readouterr().out

@@ -103,13 +103,14 @@ def reasons(street: Sequence[dict[str, Any]]) -> str:
 def table_row(trouble: str, those: Sequence[Seen], without: Sequence[Seen]) -> str:
     """Over all seeds; modes and reasons are those of the first."""
     delay, usual = ([each.result["delay_camera_s"] for each in some] for some in (those, without))
-    cost = paired(delay, usual) if trouble else None
-    told = "-" if cost is None else f"{cost.mean:+.1f} [{cost.low:+.1f}, {cost.high:+.1f}]"
+    cost = paired(delay, usual)  # of one seed there is no interval
+    told = f"{delay[0] - usual[0]:+.1f}" if cost is None else f"{cost.mean:+.1f} [{cost.low:+.1f}, {cost.high:+.1f}]"
+    name = f"`{trouble}`" if trouble else "none"
     red = max(each.result["longest_red_camera_s"] for each in those)
     found = "/".join(str(sum(kind)) for kind in zip(*(findings(each.result) for each in those), strict=True))
     street = those[0].street
     return (
-        f"| {f'`{trouble}`' if trouble else 'none'} | {statistics.fmean(delay):.1f} | {told} | {red:.0f} "
+        f"| {name} | {statistics.fmean(delay):.1f} | {told if trouble else '-'} | {red:.0f} "
         f"| {in_order([second['mode'] for second in street])} | {reasons(street)} | {found} |"
     )
 
