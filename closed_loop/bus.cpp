@@ -22,6 +22,7 @@ namespace {
 
 constexpr double bus_ticks_per_s = 10.0;
 constexpr std::uint32_t node_step_ms = 20;
+constexpr double for_ever_s = 1e9;
 const std::set<std::string> camera_troubles{"black", "freeze", "turn", "gone"};
 
 [[noreturn]] void refuse_trouble(const std::string &word, const std::string &right) {
@@ -47,7 +48,7 @@ double seconds_of(const std::string &word, const std::string &text) {
 void check_who(const std::string &word, const Trouble &trouble, const elmopp_junction_t &site) {
     if (trouble.kind == "reset") {
         if (!trouble.who.empty()) {
-            refuse_trouble(word, "reset@FROM");
+            refuse_trouble(word, "reset@FROM or reset@FROM-TO");
         }
         return;
     }
@@ -87,7 +88,7 @@ std::vector<Trouble> parse_troubles(const std::string &text, const elmopp_juncti
         const std::size_t colon = what.find(':');
         const std::size_t dash = when.find('-');
         Trouble trouble{what.substr(0, colon), colon == std::string::npos ? "" : what.substr(colon + 1),
-                        seconds_of(word, when.substr(0, dash)), 1e9};
+                        seconds_of(word, when.substr(0, dash)), for_ever_s};
         if (dash != std::string::npos) {
             trouble.to_s = seconds_of(word, when.substr(dash + 1));
         }
@@ -100,10 +101,10 @@ std::vector<Trouble> parse_troubles(const std::string &text, const elmopp_juncti
     return troubles;
 }
 
-StreetBus::StreetBus(const elmopp_junction_t &site, ControllerMaker maker, std::vector<Film *> films,
+StreetBus::StreetBus(const elmopp_junction_t &site, ControllerMaker maker, Reset reset, std::vector<Film *> films,
                      const std::vector<Place> &places, std::vector<Trouble> troubles, std::uint64_t seed)
-    : site_(site), maker_(std::move(maker)), controller_(maker_()), films_(std::move(films)), places_(places),
-      troubles_(std::move(troubles)), chance_(seed), witness_(site) {
+    : site_(site), maker_(std::move(maker)), reset_(std::move(reset)), controller_(maker_()), films_(std::move(films)),
+      places_(places), troubles_(std::move(troubles)), chance_(seed), witness_(site) {
     for (const Film *film : films_) {
         cameras_.emplace_back(film->lanes());
     }
@@ -175,12 +176,23 @@ void StreetBus::tell(std::vector<elmopp_frame_t> &frames) {
     }
 }
 
-void StreetBus::reset_if_due() {
-    if (!was_reset_ && shown_.green != 0 && trouble_now("reset", "") != nullptr) {
-        controller_ = maker_();
-        was_reset_ = true;
+/// Each reset of the list once.
+void StreetBus::pull_or_put_plug() {
+    const auto due = std::find_if(troubles_.begin(), troubles_.end(), [this](const Trouble &trouble) {
+        return trouble.kind == "reset" && run_s() >= trouble.from_s;
+    });
+    if (controller_ && (std::uint32_t{shown_.green} & ~std::uint32_t{shown_.flash}) != 0U && due != troubles_.end()) {
+        const double out_s = due->to_s < for_ever_s ? due->to_s - due->from_s : 0.0;
+        back_ticks_ = ticks_ + std::lround(out_s * bus_ticks_per_s);
+        troubles_.erase(due);
+        controller_.reset();
+        reset_();
         second_.reset = true;
     }
+    if (!controller_ && ticks_ >= back_ticks_) {
+        controller_ = maker_();
+    }
+    second_.silent = !controller_;
 }
 
 std::vector<elmopp_frame_t> StreetBus::carried(const std::vector<elmopp_frame_t> &frames) {
@@ -220,7 +232,7 @@ void StreetBus::light(const std::vector<elmopp_frame_t> &frames) {
 }
 
 std::vector<elmopp_frame_t> StreetBus::tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t now_ms) {
-    reset_if_due();
+    pull_or_put_plug();
     std::vector<elmopp_frame_t> sent = frames;
     if (!films_.empty()) {
         look();
@@ -231,7 +243,8 @@ std::vector<elmopp_frame_t> StreetBus::tick(const std::vector<elmopp_frame_t> &f
         measured.flash = 0; // a lamp that goes on and off is on or off when it is looked at
         sent.push_back(elmopp_lamp_node_feedback(&node, &measured, false));
     }
-    const auto answers = carried(controller_->tick(carried(sent), now_ms));
+    const auto heard = carried(sent);
+    const auto answers = controller_ ? carried(controller_->tick(heard, now_ms)) : std::vector<elmopp_frame_t>();
     light(answers);
     ++ticks_;
     return answers;

@@ -6,8 +6,8 @@
 ///
 /// A link between the simulator and whoever runs the controller. In place of the simulator's counts it sends what the
 /// counters of the cameras say; in place of lamps that do as told it has elmopp_lamp_node, and what those show is what
-/// the street sees. It can lose frames (each for everybody, by a seed) and, where the controller runs in this process,
-/// reset it in the middle of a green. Troubles come by a list, at times of the run.
+/// the street sees. It can lose frames (each for everybody, by a seed) and pull the controller's plug in the middle of
+/// a green. Troubles come by a list, at times of the run.
 ///
 /// Owner: the Control that it is given to. Not thread-safe.
 
@@ -32,7 +32,9 @@ namespace elmopp {
 /// One line of a list of troubles: KIND[:WHO]@FROM[-TO], seconds of the run.
 ///   black, freeze, turn, gone   the camera of the approach WHO, or all
 ///   lose                        WHO percent of the frames
-///   reset                       the controller, in the first green from FROM on
+///   reset                       the controller's plug is pulled in the first green from FROM on, for TO - FROM
+///   seconds;
+///                               without TO it begins anew at once
 struct Trouble {
     std::string kind;
     std::string who;
@@ -43,22 +45,25 @@ struct Trouble {
 /// Throws BadRequest naming what is wrong and what would be right.
 std::vector<Trouble> parse_troubles(const std::string &text, const elmopp_junction_t &site);
 
-/// Behind the bus: makes a controller, and makes it anew after a reset. Null answer: it cannot be reset.
+/// Behind the bus: makes a controller, and makes it anew after a reset.
 using ControllerMaker = std::function<std::unique_ptr<Link>()>;
+/// Resets what is at the other end, if that does not end with the link.
+using Reset = std::function<void()>;
 
 /// What a second was like, for the log.
 struct BusSecond {
     std::vector<elmopp_lamps_t> shown; ///< [tick]
     std::vector<Record> records;       ///< [camera]
     unsigned lost = 0;                 ///< frames
-    bool reset = false;
+    bool reset = false;                ///< the plug was pulled
+    bool silent = false;               ///< nobody controlled at its end
 };
 
 class StreetBus final : public Link {
   public:
     /// `films`: one an approach that has a camera, in the order of the site; empty: the simulator's own counts go
     /// through. `places`: kept up to date by the caller. Both must outlive it, as must the site.
-    StreetBus(const elmopp_junction_t &site, ControllerMaker maker, std::vector<Film *> films,
+    StreetBus(const elmopp_junction_t &site, ControllerMaker maker, Reset reset, std::vector<Film *> films,
               const std::vector<Place> &places, std::vector<Trouble> troubles, std::uint64_t seed);
 
     std::vector<elmopp_frame_t> tick(const std::vector<elmopp_frame_t> &frames, elmopp_ms_t now_ms) override;
@@ -94,13 +99,15 @@ class StreetBus final : public Link {
     [[nodiscard]] CameraTrouble trouble_of(std::size_t approach) const;
     void look();
     void tell(std::vector<elmopp_frame_t> &frames);
-    void reset_if_due();
+    void pull_or_put_plug();
     void light(const std::vector<elmopp_frame_t> &frames);
     std::vector<elmopp_frame_t> carried(const std::vector<elmopp_frame_t> &frames);
 
     const elmopp_junction_t &site_;
     ControllerMaker maker_;
-    std::unique_ptr<Link> controller_;
+    Reset reset_;
+    std::unique_ptr<Link> controller_; ///< null: its plug is out
+    std::int64_t back_ticks_ = 0;      ///< when it is in again
     std::vector<Film *> films_;
     std::vector<CameraBus> cameras_; ///< [film]
     const std::vector<Place> &places_;
@@ -112,7 +119,6 @@ class StreetBus final : public Link {
     BusSecond second_;
     std::int64_t ticks_ = 0;
     std::int64_t begun_ticks_ = -1; ///< -1: it has not begun
-    bool was_reset_ = false;
 };
 
 } // namespace elmopp

@@ -76,9 +76,7 @@ class Mosaic {
 /// What one run was like.
 struct Run {
     Metrics metrics;
-    std::uint64_t ticks = 0;
-    std::uint64_t conflicts = 0;
-    std::uint64_t early_greens = 0;
+    Findings found;
     std::vector<LaneTally> lanes;
     double present_error_veh = 0.0; ///< mean over seconds and movements
     unsigned doubted_s = 0;         ///< seconds in which a counter did not believe its camera
@@ -135,9 +133,11 @@ class LoopProgram {
         if (mosaic_) {
             mosaic_->finish();
         }
-        write(perfect, camera);
-        if (camera.conflicts + camera.early_greens + perfect.conflicts + perfect.early_greens > 0) {
-            throw Failure("the lamps showed what they must not: see conflicts and early_greens in " +
+        Findings found = camera.found;
+        found += perfect.found;
+        write(perfect, camera, found);
+        if (found.conflicts + found.early_greens + found.short_ambers > 0) {
+            throw Failure("the lamps showed what they must not: see conflicts, early_greens and short_ambers in " +
                           (request_.out / "closed_loop.json").string());
         }
     }
@@ -157,8 +157,14 @@ class LoopProgram {
             throw BadRequest("--link \"" + request_.link + "\": right would be inproc, can:IFACE or slcan:PLACE");
         }
         const auto resets = [](const Trouble &trouble) { return trouble.kind == "reset"; };
-        if (!is_inproc && std::any_of(troubles_.begin(), troubles_.end(), resets)) {
-            throw BadRequest("--faults reset with --link " + request_.link + ": right would be --link inproc");
+        const bool needs_command = !is_inproc && std::any_of(troubles_.begin(), troubles_.end(), resets);
+        if (needs_command && request_.reset.empty()) {
+            throw BadRequest("--faults reset with --link " + request_.link +
+                             ": right would be --reset-command with what resets that controller, or --link inproc");
+        }
+        if (!needs_command && !request_.reset.empty()) {
+            throw BadRequest("--reset-command \"" + request_.reset +
+                             "\" is never run: right would be reset among --faults, and a --link to a controller");
         }
         if (!is_inproc && !(chooser_ == site_chooser(site_))) {
             throw BadRequest("--chooser with --link " + request_.link +
@@ -174,9 +180,21 @@ class LoopProgram {
         return make_bus(request_.link.rfind("slcan:", 0) == 0 ? make_slcan_wire(place) : make_can_wire(place), true);
     }
 
+    /// The one in this process ends with its link.
+    void reset() const {
+        if (!request_.reset.empty()) {
+            const ToolResult result = run_words({"/bin/sh", "-c", request_.reset});
+            if (result.exit_code != 0) {
+                throw Failure("--reset-command \"" + request_.reset + "\" ended with " +
+                              std::to_string(result.exit_code) + (result.last_line.empty() ? "" : ": ") +
+                              result.last_line);
+            }
+        }
+    }
+
     [[nodiscard]] Run drive(bool with_cameras);
     void log(std::ostream &out, const Second &second, const BusSecond &bus, const std::vector<int> &there) const;
-    void write(const Run &perfect, const Run &camera) const;
+    void write(const Run &perfect, const Run &camera, const Findings &found) const;
     [[nodiscard]] std::vector<std::unique_ptr<Film>> films() const;
 
     const LoopRequest &request_;
@@ -201,7 +219,7 @@ class StreetRun {
             looking.push_back(film.get());
         }
         auto link = std::make_unique<StreetBus>(
-            loop.scenario_.junction, [&loop] { return loop.controller(); }, looking, places_,
+            loop.scenario_.junction, [&loop] { return loop.controller(); }, [&loop] { loop.reset(); }, looking, places_,
             with_cameras ? loop.troubles_ : std::vector<Trouble>(), loop.request_.seed);
         bus_ = link.get();
         if (with_cameras && loop.mosaic_) {
@@ -226,9 +244,7 @@ class StreetRun {
             run.lanes.insert(run.lanes.end(), lanes.begin(), lanes.end());
         }
         run.present_error_veh /= static_cast<double>(loop_.request_.seconds * there_.size());
-        run.ticks = bus_->witness().ticks();
-        run.conflicts = bus_->witness().conflicts();
-        run.early_greens = bus_->witness().early_greens();
+        run.found = bus_->witness().findings();
         if (log_) {
             log_->commit();
         }
@@ -281,7 +297,7 @@ class StreetRun {
 void LoopProgram::log(std::ostream &out, const Second &second, const BusSecond &bus,
                       const std::vector<int> &there) const {
     Json line{{"t_s", second.t_s},
-              {"mode", mode_name(second.told.mode)},
+              {"mode", bus.silent ? "silent" : mode_name(second.told.mode)},
               {"fault", elmopp_fault_name(second.told.fault)},
               {"stage", second.told.stage}};
     Json cameras = Json::object();
@@ -306,7 +322,7 @@ void LoopProgram::log(std::ostream &out, const Second &second, const BusSecond &
     out << line.dump() << "\n";
 }
 
-void LoopProgram::write(const Run &perfect, const Run &camera) const {
+void LoopProgram::write(const Run &perfect, const Run &camera, const Findings &found) const {
     Json lanes = Json::array();
     std::int64_t wrong = 0;
     std::int64_t crossed = 0;
@@ -326,9 +342,10 @@ void LoopProgram::write(const Run &perfect, const Run &camera) const {
                       {"vehicles_out_camera", camera.metrics.vehicles_out},
                       {"vehicles_out_perfect", perfect.metrics.vehicles_out},
                       {"doubted_s", camera.doubted_s},
-                      {"lamp_ticks", camera.ticks + perfect.ticks},
-                      {"conflicts", camera.conflicts + perfect.conflicts},
-                      {"early_greens", camera.early_greens + perfect.early_greens},
+                      {"lamp_ticks", found.ticks},
+                      {"conflicts", found.conflicts},
+                      {"early_greens", found.early_greens},
+                      {"short_ambers", found.short_ambers},
                       {"site", site_.name},
                       {"chooser", full_name(chooser_.label(), chooser_.forecast)},
                       {"demand", request_.demand},

@@ -28,6 +28,7 @@ struct LoopRequest {
     std::string scene = "day";
     std::string overlay; ///< video or picture; empty: none
     std::string faults;  ///< list of troubles (bus.hpp); in the run with cameras
+    std::string reset;   ///< command that resets what is at the other end of the link
 };
 
 /// Runs it and writes closed_loop.json, street.jsonl and the lane files into `out`. Throws BadRequest, and Failure if

@@ -32,6 +32,7 @@ void describe(CLI::App &app, LoopRequest &request) {
     app.add_option("--overlay", request.overlay, "Video (.avi, .mp4) or last picture (.png) with what is counted");
     app.add_option("--faults", request.faults,
                    "List of KIND:WHO@FROM-TO: black, freeze, turn or gone of an approach or all, lose:PERCENT, reset");
+    app.add_option("--reset-command", request.reset, "What resets the controller at the other end of --link");
 }
 
 void run(const LoopRequest &request) {

@@ -72,12 +72,9 @@ fs::path find_tool(const std::string &name) {
     return tool;
 }
 
-ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments) {
+ToolResult run_words(std::vector<std::string> words) {
     const TemporaryFolder folder;
     const std::string said = (folder.path() / "said").string();
-    const std::string program = find_tool(name).string();
-    std::vector<std::string> words{program};
-    words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char *> argv;
     argv.reserve(words.size() + 1);
     for (auto &word : words) {
@@ -87,13 +84,13 @@ ToolResult run_tool(const std::string &name, const std::vector<std::string> &arg
     const pid_t child = fork();
     if (child == 0) {
         if (std::freopen(said.c_str(), "w", stderr) != nullptr && std::freopen("/dev/null", "w", stdout) != nullptr) {
-            execv(program.c_str(), argv.data());
+            execv(argv[0], argv.data());
         }
         _exit(127);
     }
     int status = 0;
     if (child < 0 || waitpid(child, &status, 0) != child || !WIFEXITED(status)) {
-        throw Failure(program + " could not be run");
+        throw Failure(words[0] + " could not be run");
     }
     ToolResult result{WEXITSTATUS(status), {}};
     std::ifstream stream(said);
@@ -101,6 +98,12 @@ ToolResult run_tool(const std::string &name, const std::vector<std::string> &arg
         result.last_line = line.empty() ? result.last_line : line;
     }
     return result;
+}
+
+ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments) {
+    std::vector<std::string> words{find_tool(name).string()};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    return run_words(std::move(words));
 }
 
 elmopp_junction_t site_of_image(const std::uint8_t *image, std::size_t length) {

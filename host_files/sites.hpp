@@ -37,6 +37,9 @@ struct ToolResult {
     std::string last_line; ///< of what it said on stderr
 };
 
+/// Runs a program by its path to its end. Throws Failure if it cannot be run.
+ToolResult run_words(std::vector<std::string> words);
+
 /// Runs such a tool to its end.
 ToolResult run_tool(const std::string &name, const std::vector<std::string> &arguments);
 

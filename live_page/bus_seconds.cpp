@@ -5,6 +5,8 @@
 
 #include "decision_log.hpp"
 
+#include <nlohmann/json.hpp>
+
 namespace elmopp {
 
 void BusSeconds::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
@@ -58,7 +60,13 @@ std::string BusSeconds::line(std::uint32_t now_ms) {
                 ",\"fault_group\":" + std::to_string(seen.status->fault_group);
     }
     text += model.empty() ? "" : ",\"model\":\"" + model + "\"";
-    return text + ",\"uncounted\":[" + counted.uncounted + "]}";
+    nlohmann::json differs = nlohmann::json::object();
+    for (std::size_t g = 0; g < junction_.group_count; ++g) {
+        if (!seen.differs.at(g).empty()) {
+            differs[std::to_string(g)] = seen.differs.at(g);
+        }
+    }
+    return text + ",\"differs\":" + differs.dump() + ",\"uncounted\":[" + counted.uncounted + "]}";
 }
 
 } // namespace elmopp

@@ -6,7 +6,8 @@
 /// The lines have the keys of the decision log. What no frame says is left out or named: the chooser's scores are 0
 /// (only a controller on the bus clock sends them), `uncounted` lists the movements whose camera is silent or sees
 /// nothing, `mode` and `fault_group` are missing while the controller is silent, `model` (whose the forecast is)
-/// without Forecast. It listens and says nothing to anybody.
+/// without Forecast. `aspects` are what is commanded; `differs` says in words what the lamps of a group do, by the
+/// group's number, where their node reports something else or nothing. It listens and says nothing to anybody.
 
 #pragma once
 

@@ -34,9 +34,7 @@ struct Request {
 
 void run(const Request &request) {
     const elmopp_junction_t junction = read_site(request.site);
-    if (const std::string warning = check_can(request.can); !warning.empty()) {
-        say(program_name, warning);
-    }
+    check_can(program_name, request.can);
     CanSocket socket(request.can, {});
     Wakeups wakeups(second_ms, {SIGINT, SIGTERM}); // before there are threads that a signal could come to
     nlohmann::ordered_json site = junction_json(junction);
@@ -61,8 +59,7 @@ void add_options(CLI::App &app, Request &request) {
         "elmopp-view: the live page of a controller on a bus, for a browser of this machine. It listens and "
         "sends nothing.");
     app.footer("Exit codes: 0 done, 2 the request cannot be run (one line says why).");
-    app.add_option("--can", request.can, "CAN interface")->type_name("IFACE")->required();
-    app.add_option("--site", request.site, "The junction, .toml or .bin")->type_name("FILE")->required();
+    add_bus_options(app, request.can, request.site);
     app.add_option("--port", request.port, "Port on 127.0.0.1; 0: any")->type_name("N")->capture_default_str();
 }
 

@@ -619,6 +619,24 @@ Record Counter::glance() const {
     return record;
 }
 
+namespace {
+
+/// White on black above a point, so that it can be read on every road; the colour is a frame.
+void write_on_plate(cv::Mat &bgr, const std::string &text, const cv::Point &below, const cv::Scalar &colour) {
+    constexpr int margin_px = 3;
+    const double size = std::max(0.35, bgr.cols / 1600.0);
+    int under_px = 0;
+    const cv::Size wide = cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &under_px);
+    const cv::Point where(below.x - wide.width / 2, below.y - under_px - 2 * margin_px);
+    const cv::Rect plate(where.x - margin_px, where.y - wide.height - margin_px, wide.width + 2 * margin_px,
+                         wide.height + under_px + 2 * margin_px);
+    cv::rectangle(bgr, plate, cv::Scalar(20, 20, 20), cv::FILLED);
+    cv::rectangle(bgr, plate, colour, 1);
+    cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar(255, 255, 255), 1, cv::LINE_AA);
+}
+
+} // namespace
+
 void Counter::draw(cv::Mat &bgr, const Record &record) const {
     const Impl &my = *impl_;
     const auto outline = [&bgr](const Polygon &polygon, const cv::Scalar &colour) {
@@ -627,7 +645,6 @@ void Counter::draw(cv::Mat &bgr, const Record &record) const {
     };
     const cv::Scalar good(80, 220, 80);
     const cv::Scalar bad(60, 60, 230);
-    const double size = std::max(0.35, bgr.cols / 1600.0);
     for (std::size_t i = 0; i < my.file.lanes.size(); ++i) {
         const Lane &lane = my.file.lanes[i];
         const bool told = i < record.lanes.size();
@@ -643,9 +660,7 @@ void Counter::draw(cv::Mat &bgr, const Record &record) const {
             text += one.present ? " (" + std::to_string(*one.present) + ")" : "";
             text += one.valid ? "" : std::string(" ") + reason_name(one.reason);
         }
-        const cv::Point where = cv::Point((lane.from_px + lane.to_px) / 2) - cv::Point(10, 5);
-        cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, cv::Scalar(0, 0, 0), 3, cv::LINE_8);
-        cv::putText(bgr, text, where, cv::FONT_HERSHEY_SIMPLEX, size, colour, 1, cv::LINE_AA);
+        write_on_plate(bgr, text, cv::Point((lane.from_px + lane.to_px) / 2), colour);
     }
     if (!my.file.junction_px.empty()) {
         outline(my.file.junction_px, record.junction && record.junction->occupied ? bad : good);

@@ -20,6 +20,7 @@ if(depends_on_no_build)
     elmopp_add_python_test(NAME closed_loop_all
         COMMAND -m pytest -q -m others tests/python/test_closed_loop.py
         LABELS camera sim faults nightly TIMEOUT 3600)
-    elmopp_add_python_test(NAME test_loop_table COMMAND -m pytest -q tests/python/test_loop_table.py LABELS unit camera)
+    elmopp_add_python_test(NAME test_loop_table
+        COMMAND -m pytest -q tests/python/test_loop_table.py tests/python/test_loop_troubles.py LABELS unit camera)
     set_tests_properties(test_closed_loop closed_loop_all PROPERTIES ENVIRONMENT "${closed_loop_environment}" COST 40)
 endif()

@@ -4,4 +4,6 @@
 # The guided tour, docs/tour.md: every command of it, with the programs of the preset release, which tools/check builds
 # before this one.
 
-elmopp_add_python_test(NAME test_tour COMMAND -m pytest -q tests/python/test_tour.py LABELS sim web TIMEOUT 900)
+elmopp_add_python_test(NAME test_tour COMMAND -m pytest -q -m "not others" tests/python/test_tour.py LABELS sim web TIMEOUT 900)
+elmopp_add_python_test(NAME tour_board COMMAND -m pytest -q -m others tests/python/test_tour.py LABELS sim nightly TIMEOUT 1800)
+set_tests_properties(test_tour tour_board PROPERTIES RESOURCE_LOCK out_tour)

@@ -10,8 +10,10 @@ Standard library only. Time is the simulator's: a test sends SimTime, so nothing
 import json
 import os
 import select
+import shlex
 import socket
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -40,14 +42,17 @@ class Emulator:
         terminal: bool = False,
     ) -> None:
         self.folder = tempfile.TemporaryDirectory(prefix="elmopp-")  # short: a socket's path may have 107 characters
-        self.bus, self.people_line, self.control = (Path(self.folder.name) / name for name in ("bus", "people", "qmp"))
+        names = ("bus", "people", "qmp", "plug")
+        self.bus, self.people_line, self.control, self.plug = (Path(self.folder.name) / name for name in names)
         words = ["qemu-system-arm", "-M", "mps2-an386", "-icount", "shift=6", "-nodefaults", "-display", "none"]
         words += ["-monitor", "none", "-nic", "user,restrict=on,ipv6=off", "-audiodev", "none,id=none"]
         for name, path in (("bus", self.bus), ("people", self.people_line)):
             socket_of = f"socket,id={name},path={path},server=on,wait=off"
             words += ["-chardev", f"pty,id={name}" if terminal and name == "bus" else socket_of]
             words += ["-serial", f"chardev:{name}"]
-        words += ["-qmp", f"unix:{self.control},server=on,wait=off", "-S", "-kernel", str(image)]
+        for path in (self.control, self.plug):
+            words += ["-qmp", f"unix:{path},server=on,wait=off"]
+        words += ["-S", "-kernel", str(image)]
         for slot, file in ((SITE_SLOT, site), (WEIGHTS_SLOT, weights), (WEIGHTS_STORE, kept)):
             if file is not None:
                 words += ["-device", f"loader,file={file},addr={slot:#x},force-raw=on"]
@@ -94,6 +99,10 @@ class Emulator:
     def reset(self) -> None:
         """Pulls the plug and puts it in again."""
         self.ask("system_reset")
+
+    def reset_command(self) -> str:
+        """The same as a command, for a program that pulls the plug by itself."""
+        return shlex.join([sys.executable, str(Path(__file__).with_name("reset_board.py")), str(self.plug)])
 
     def hears(self, words: str) -> str:
         """Waits until the line for people has these words; returns everything that it said."""

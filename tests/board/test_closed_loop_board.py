@@ -3,7 +3,9 @@
 
 """The whole chain with the image in it: cameras look at the drawn road, the emulated board decides.
 
-What comes of it is what comes of it with the controller in the process. One camera: pictures are most of the work.
+What comes of it is what comes of it with the controller in the process, also when a camera fails and when the board's
+plug is pulled in mid-green: the emulated processor begins at its reset vector then. What the lamps show after that is
+judged in tests/python/test_closed_loop.py. One camera: pictures are most of the work.
 """
 
 import json
@@ -49,9 +51,11 @@ def run(site: Path, folder: Path, *words: str) -> tuple[dict[str, object], str]:
 
 def test_the_board_in_the_loop_is_the_controller_in_process(tmp_path: Path) -> None:
     site = image_with_one_camera(tmp_path)
-    faults = ["--faults", "black:N@20-30"]
+    faults = ["--faults", "black:N@10-18,reset@28-30"]
     inproc = run(site, tmp_path / "inproc", *faults)
     with Emulator(site=site) as board:
-        wire = run(site, tmp_path / "wire", *faults, "--link", board.link())
+        wire = run(site, tmp_path / "wire", *faults, "--link", board.link(), "--reset-command", board.reset_command())
+        board.hears("elmopp-mps2 starts\r\nelmopp-mps2 starts")  # SimTime 0 alone makes nobody say this
     assert '"mode":"fixed_time"' in inproc[1]
+    assert '"reset":true' in inproc[1]
     assert wire == inproc

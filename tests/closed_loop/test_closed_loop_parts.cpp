@@ -109,18 +109,18 @@ constexpr std::uint16_t em = 1U << 4U;
 void test_the_witness_sees_conflicting_groups_off_red() {
     Witness witness(elmopp_site_four_way);
     witness.see(lamps_of(em, 0, nl | nm));
-    TEST_ASSERT_EQUAL_UINT64(0, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(0, witness.findings().conflicts);
     witness.see(lamps_of(0, em, nl)); // amber is off red
-    TEST_ASSERT_EQUAL_UINT64(1, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(1, witness.findings().conflicts);
     witness.see(lamps_of(em, em, nl)); // red-amber is not
-    TEST_ASSERT_EQUAL_UINT64(1, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(1, witness.findings().conflicts);
     witness.see(lamps_of(0, 0, nl | em));
-    TEST_ASSERT_EQUAL_UINT64(2, witness.conflicts());
+    TEST_ASSERT_EQUAL_UINT64(2, witness.findings().conflicts);
     elmopp_lamps_t flashing = lamps_of(0, nl | em, 0);
     flashing.flash = nl | em;
     witness.see(flashing);
-    TEST_ASSERT_EQUAL_UINT64(2, witness.conflicts());
-    TEST_ASSERT_EQUAL_UINT64(5, witness.ticks());
+    TEST_ASSERT_EQUAL_UINT64(2, witness.findings().conflicts);
+    TEST_ASSERT_EQUAL_UINT64(5, witness.findings().ticks);
 }
 
 std::uint64_t early_after(unsigned red_ds) {
@@ -130,7 +130,7 @@ std::uint64_t early_after(unsigned red_ds) {
         witness.see(lamps_of(nl | em, 0, 0));
     }
     witness.see(lamps_of(nl, 0, em));
-    return witness.early_greens();
+    return witness.findings().early_greens;
 }
 
 void test_the_witness_sees_a_green_before_its_intergreen_is_over() {
@@ -138,6 +138,29 @@ void test_the_witness_sees_a_green_before_its_intergreen_is_over() {
     TEST_ASSERT_EQUAL_UINT64(0, early_after(50));
     TEST_ASSERT_EQUAL_UINT64(1, early_after(49));
     TEST_ASSERT_EQUAL_UINT64(1, early_after(0));
+}
+
+std::uint64_t short_ambers_after(unsigned amber_ds, const elmopp_lamps_t &then) {
+    Witness witness(elmopp_site_four_way);
+    witness.see(lamps_of(em, 0, nl));
+    for (unsigned i = 0; i < amber_ds; ++i) {
+        witness.see(lamps_of(em, nl, 0));
+    }
+    witness.see(then);
+    witness.see(lamps_of(nl | em, 0, 0));
+    return witness.findings().short_ambers;
+}
+
+void test_the_witness_sees_a_skipped_and_a_short_amber_and_asks_none_of_who_flashes() {
+    TEST_ASSERT_EQUAL_UINT16(30, elmopp_site_four_way.group[0].amber_ds);
+    const elmopp_lamps_t red = lamps_of(nl | em, 0, 0);
+    TEST_ASSERT_EQUAL_UINT64(0, short_ambers_after(30, red));
+    TEST_ASSERT_EQUAL_UINT64(1, short_ambers_after(29, red));
+    TEST_ASSERT_EQUAL_UINT64(1, short_ambers_after(0, red));
+    elmopp_lamps_t flashing = lamps_of(0, nl | em, 0);
+    flashing.flash = nl | em;
+    TEST_ASSERT_EQUAL_UINT64(0, short_ambers_after(0, flashing));
+    TEST_ASSERT_EQUAL_UINT64(0, short_ambers_after(10, flashing));
 }
 
 void test_troubles_are_read_as_they_are_written() {
@@ -175,6 +198,7 @@ int main() {
     RUN_TEST(test_headlights_light_the_road_before_a_vehicle);
     RUN_TEST(test_the_witness_sees_conflicting_groups_off_red);
     RUN_TEST(test_the_witness_sees_a_green_before_its_intergreen_is_over);
+    RUN_TEST(test_the_witness_sees_a_skipped_and_a_short_amber_and_asks_none_of_who_flashes);
     RUN_TEST(test_troubles_are_read_as_they_are_written);
     RUN_TEST(test_a_wrong_trouble_is_refused_by_name);
     return UNITY_END();

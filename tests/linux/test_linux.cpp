@@ -7,11 +7,10 @@
 #include "can_socket.hpp"
 #include "error.hpp"
 #include "junction_view.hpp"
+#include "overheard.hpp"
 
 extern "C" {
-#include "bench.h"
 #include "elmopp_can.h"
-#include "unity.h"
 }
 
 #include <algorithm>
@@ -50,27 +49,8 @@ void expect(const JunctionView &view, std::uint32_t now_ms, const std::vector<st
     }
 }
 
-JunctionView *listener = nullptr;
-bench_t bench;
-
-void hear(const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-}
-
-bench_fate_t overhear(void * /*state*/, const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-    return BENCH_PASS;
-}
-
-/// A junction of three approaches in automatic mode, overheard from both sides.
 void start(const elmopp_junction_t &site, JunctionView &view) {
-    listener = &view;
-    bench_start(&bench, &site);
-    bench.heard = hear;
-    bench.fate = overhear;
-    bench_fill(&bench);
-    TEST_ASSERT_TRUE(bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 600));
-    bench_ticks(&bench, 40);
+    start_overheard(site, [&view](const elmopp_frame_t &frame, std::uint32_t now_ms) { view.hear(frame, now_ms); }, 40);
 }
 
 void test_nobody_on_the_bus_is_silence() {
@@ -88,7 +68,7 @@ void test_a_running_junction_reads_as_english() {
     const std::string waiting = std::to_string(bench.present_veh[1]);
     expect(view, bench.now_ms, {std::string(site.movement[1].name) + " " + waiting});
     TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "silent"));
-    TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "shows otherwise"));
+    TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "(shows"));
     TEST_ASSERT_FALSE(has(view.lines(bench.now_ms), "spoilt"));
     expect(view, bench.now_ms + 3000, {"controller  silent", "nobody commands", "camera silent", "no forecast"});
 }
@@ -108,6 +88,38 @@ void test_what_is_wrong_is_said() {
     bench.own_fail_safe = true;
     bench_ticks(&bench, 2);
     expect(view, bench.now_ms, {"(node flashes by itself)"});
+}
+
+/// A lamp tick of a node that has been told this; true if the view says that it differs.
+bool differs_after(JunctionView &view, const elmopp_lamps_t &told, const elmopp_lamps_t &shown) {
+    static std::uint8_t counter = 0;
+    static std::uint32_t now_ms = 0;
+    now_ms += 100;
+    const auto say = [&view](elmopp_frame_t frame) {
+        elmopp_link_seal(&frame, &counter);
+        view.hear(frame, now_ms);
+    };
+    say(elmopp_frames_lamp_command(&told, false, false));
+    const elmopp_feedback_t feedback{shown, false, false};
+    say(elmopp_frames_make_feedback(0, &feedback));
+    return !view.seen(now_ms).differs[0].empty();
+}
+
+void test_lamps_differ_when_two_reports_in_a_row_say_so_and_flashing_ones_may_be_dark() {
+    const elmopp_junction_t site = three_groups();
+    JunctionView view(site);
+    const elmopp_lamps_t red{0x7, 0, 0, 0};
+    const elmopp_lamps_t green{0x6, 0, 0x1, 0};
+    const elmopp_lamps_t flashing{0, 0x7, 0, 0x7};
+    TEST_ASSERT_FALSE(differs_after(view, red, red));
+    TEST_ASSERT_FALSE(differs_after(view, green, red)); // crossed on the bus
+    TEST_ASSERT_TRUE(differs_after(view, green, red));
+    TEST_ASSERT_FALSE(differs_after(view, green, green));
+    for (const elmopp_lamps_t &shown : {elmopp_lamps_t{0, 0x7, 0, 0}, elmopp_lamps_t{}, elmopp_lamps_t{}}) {
+        TEST_ASSERT_FALSE(differs_after(view, flashing, shown));
+    }
+    TEST_ASSERT_FALSE(differs_after(view, flashing, red));
+    TEST_ASSERT_TRUE(differs_after(view, flashing, red));
 }
 
 void test_the_junction_camera_is_told_of_where_somebody_listens() {
@@ -261,6 +273,7 @@ int main() {
     RUN_TEST(test_nobody_on_the_bus_is_silence);
     RUN_TEST(test_a_running_junction_reads_as_english);
     RUN_TEST(test_what_is_wrong_is_said);
+    RUN_TEST(test_lamps_differ_when_two_reports_in_a_row_say_so_and_flashing_ones_may_be_dark);
     RUN_TEST(test_the_junction_camera_is_told_of_where_somebody_listens);
     RUN_TEST(test_what_a_neighbour_announces_is_told_until_it_falls_silent);
     RUN_TEST(test_spoilt_frames_are_counted_and_change_nothing);

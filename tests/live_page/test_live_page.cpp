@@ -6,11 +6,10 @@
 #include "bus_seconds.hpp"
 #include "event_stream.hpp"
 #include "junction_json.hpp"
+#include "overheard.hpp"
 
 extern "C" {
-#include "bench.h"
 #include "elmopp_can.h"
-#include "unity.h"
 }
 
 #include <nlohmann/json.hpp>
@@ -106,26 +105,9 @@ void test_closing_lets_those_go_who_wait(void) {
 
 // --- a bus ---
 
-BusSeconds *listener = nullptr;
-bench_t bench;
-
-void hear(const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-}
-
-bench_fate_t overhear(void * /*state*/, const elmopp_frame_t *frame) {
-    listener->hear(*frame, bench.now_ms);
-    return BENCH_PASS;
-}
-
 void start(const elmopp_junction_t &site, BusSeconds &seconds) {
-    listener = &seconds;
-    bench_start(&bench, &site);
-    bench.heard = hear;
-    bench.fate = overhear;
-    bench_fill(&bench);
-    TEST_ASSERT_TRUE(bench_until(&bench, ELMOPP_MODE_AUTOMATIC, 600));
-    bench_ticks(&bench, 100);
+    start_overheard(
+        site, [&seconds](const elmopp_frame_t &frame, std::uint32_t now_ms) { seconds.hear(frame, now_ms); }, 100);
 }
 
 void test_a_line_says_what_the_frames_said(void) {
@@ -139,6 +121,7 @@ void test_a_line_says_what_the_frames_said(void) {
     TEST_ASSERT_EQUAL(ELMOPP_MODE_AUTOMATIC, line["mode"].get<int>());
     TEST_ASSERT_EQUAL(0, line["fault"].get<int>());
     TEST_ASSERT_EQUAL(0U, line["uncounted"].size());
+    TEST_ASSERT_EQUAL(0U, line["differs"].size());
     TEST_ASSERT_EQUAL(3U, line["present"].size());
     for (std::size_t j = 0; j < 3; ++j) {
         TEST_ASSERT_TRUE(line["present"][j].get<double>() > 0.0);
@@ -152,6 +135,25 @@ void test_a_line_says_what_the_frames_said(void) {
     }
     TEST_ASSERT_EQUAL(1U, green);
     TEST_ASSERT_EQUAL(bench.status.stage, line["stage"].get<unsigned>());
+}
+
+void test_a_line_names_the_lamps_that_do_not_as_they_are_told(void) {
+    const elmopp_junction_t site = bench_cross(3);
+    BusSeconds seconds(site);
+    start(site, seconds);
+    bench.broken.red = 0x7;
+    bench_ticks(&bench, 2); // the controller does not give up as soon as that
+    const Json line = Json::parse(seconds.line(bench.now_ms));
+    TEST_ASSERT_EQUAL(ELMOPP_MODE_AUTOMATIC, line["mode"].get<int>());
+    const std::string aspects = line["aspects"];
+    for (std::uint32_t g = 0; g < site.group_count; ++g) {
+        const std::string said = line["differs"].value(std::to_string(g), "");
+        expect(aspects[g] == '1' ? "shows dark" : aspects[g] == '2' ? "shows amber" : "", said);
+    }
+    bench.nodes_silent = 0xFF;
+    bench_ticks(&bench, 10);
+    TEST_ASSERT_EQUAL_STRING(R"({"0":"node silent","1":"node silent","2":"node silent"})",
+                             Json::parse(seconds.line(bench.now_ms))["differs"].dump().c_str());
 }
 
 elmopp_frame_t counts(std::uint8_t arrivals, std::uint16_t present, bool valid, std::uint8_t *counter) {
@@ -216,6 +218,7 @@ int main(void) {
     RUN_TEST(test_nothing_new_is_a_comment_after_a_second);
     RUN_TEST(test_closing_lets_those_go_who_wait);
     RUN_TEST(test_a_line_says_what_the_frames_said);
+    RUN_TEST(test_a_line_names_the_lamps_that_do_not_as_they_are_told);
     RUN_TEST(test_arrivals_are_what_the_running_counter_has_grown_by);
     RUN_TEST(test_who_is_silent_is_named_and_not_taken_for_zero);
     RUN_TEST(test_a_junction_is_told_with_what_belongs_together);

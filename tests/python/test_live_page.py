@@ -293,7 +293,7 @@ def test_a_controller_on_a_bus_is_looked_at_only(browser: Browser) -> None:
     )
     line = {"t_s": 0, "stage": 0, "aspects": "31" + "0" * 14, "present": [4, 0], "arrived": [1, 0], "urgency": [0, 0]}
     line |= {"forecast": [7.5, 0], "fault": 12, "uncounted": [1]}
-    Bus.lines = [json.dumps({**line, "mode": 5, "model": "mean (cold)"})]
+    Bus.lines = [json.dumps({**line, "mode": 5, "model": "mean (cold)", "differs": {"1": "shows dark"}})]
     with ThreadingHTTPServer(("127.0.0.1", 0), Bus) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         address = f"http://127.0.0.1:{server.server_port}/"
@@ -311,11 +311,15 @@ def test_a_controller_on_a_bus_is_looked_at_only(browser: Browser) -> None:
         assert text(browser, "fault") == "feedback lost (12)"
         rows = browser.run(ROWS)
         assert [row[2] for row in rows] == ["4", "?"]
+        assert [row[1] for row in rows] == ["Ggreen", "Rred but shows dark"]
+        assert text(browser, "differ") == "not W"
+        assert browser.run(MAP_LETTERS) == ["G", "R!"]
         assert "does not send its urgencies" in text(browser, "no-urgency")
         assert "The mean stands in: the forecast has seen too little." in text(browser, "forecast-words")
         picture(browser, "live-bus")
-        Bus.lines = [json.dumps(line)]
+        Bus.lines = [json.dumps({**line, "differs": {}})]
         browser.wait("document.getElementById('mode').textContent === 'controller silent'")
+        assert text(browser, "differ") == "all"
         browser.open("about:blank")
         server.shutdown()
 

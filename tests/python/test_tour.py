@@ -2,7 +2,9 @@
 # Copyright 2026 The ELMOPP authors
 """docs/tour.md: every command in it runs; one that needs what is not here names programs, presets, options there are.
 
-In the order of the page, in the project's root, with what the presets release and cortex-m4 have built.
+In the order of the page, in the project's root, with what the presets release and cortex-m4 have built. The emulated
+board takes its time and is a test of its own (`others`, at night): that its log is the one in process is shown by
+tests/board/test_loop.py every day.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TOUR = ROOT / "docs" / "tour.md"
 FIGURES = ROOT / "docs" / "figures"
 OUT = ROOT / "out" / "tour"
-KINDS = ("run", "install", "until ctrl-C", "bus", "board")
+KINDS = ("run", "install", "until ctrl-C", "bus", "board", "emulator")
 MOST_BYTES = 150_000
 MOST_DIFFERENCE = 8.0  # grey levels of 255, on the average: another version of the browser smooths letters otherwise
 
@@ -41,7 +43,7 @@ def commands_of(text: str) -> list[Command]:
     commands = []
     for block in re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         first, *rest = block.splitlines()
-        kind = first[2:] if first.startswith("# ") else "run"
+        kind = first[2:] if first.startswith("# ") else "emulator" if first.startswith("qemu-") else "run"
         lines = rest if first.startswith("# ") else [first, *rest]
         commands += [Command(line, kind) for line in lines]
     return commands
@@ -56,8 +58,8 @@ def shell(command: str, timeout_s: float = 120.0) -> subprocess.CompletedProcess
     )
 
 
-def succeed(command: str) -> str:
-    done = shell(command)
+def succeed(command: str, timeout_s: float = 120.0) -> str:
+    done = shell(command, timeout_s)
     assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
     return done.stdout + done.stderr
 
@@ -113,12 +115,15 @@ def test_the_page_is_read_as_it_says() -> None:
     ]
 
 
-@pytest.fixture(scope="module", autouse=True)
+@pytest.fixture(scope="module")
 def from_the_beginning() -> None:
     shutil.rmtree(OUT, ignore_errors=True)
 
 
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.text[:50])
+@pytest.mark.usefixtures("from_the_beginning")
+@pytest.mark.parametrize(
+    "command", [each for each in COMMANDS if each.kind != "emulator"], ids=lambda command: command.text[:50]
+)
 def test_every_command_runs(command: Command) -> None:
     if command.kind == "run":
         succeed(command.text)
@@ -134,6 +139,18 @@ def test_the_tour_has_written_what_it_says() -> None:
     for name in ("run.jsonl", "report.html", "choosers.html", "mine.bin", "counts.jsonl", "lanes.png", "seen.png"):
         assert (OUT / name).stat().st_size > 0
     assert len((OUT / "run.jsonl").read_text(encoding="utf-8").splitlines()) == 600
+
+
+@pytest.mark.others
+def test_the_emulated_board_decides_what_the_same_code_decides_here() -> None:
+    commands = [each.text for each in COMMANDS if each.kind == "emulator"]
+    assert len(commands) == 5
+    OUT.mkdir(parents=True, exist_ok=True)
+    try:
+        for command in commands:
+            succeed(command, timeout_s=600.0)
+    finally:
+        shell('kill "$(cat out/tour/board.pid)"')
     assert len((OUT / "board.jsonl").read_text(encoding="utf-8").splitlines()) == 20
 
 

@@ -8,6 +8,7 @@ Standard library only: quick to start in an emulator.
 
 import contextlib
 import os
+import re
 import select
 import signal
 import socket
@@ -96,7 +97,7 @@ class Bus:
 
 def ip(*words: str) -> None:
     """Changes an interface."""
-    subprocess.run(["ip", "link", *words], check=True, capture_output=True, timeout=20)
+    subprocess.run(["ip", "link", *words], check=True, capture_output=True, timeout=120)
 
 
 @contextlib.contextmanager
@@ -107,7 +108,16 @@ def interface(name: str) -> Iterator[str]:
     try:
         yield name
     finally:
-        subprocess.run(["ip", "link", "del", name], check=False, capture_output=True, timeout=20)
+        subprocess.run(["ip", "link", "del", name], check=False, capture_output=True, timeout=120)
+
+
+def wait_for_listener(name: str) -> None:
+    """Until somebody listens on this interface, as the kernel says."""
+    entry = re.compile(rf"^\s+{re.escape(name)}\s", re.MULTILINE)
+    end = time.monotonic() + 120.0
+    while not any(entry.search(path.read_text(encoding="utf-8")) for path in Path("/proc/net/can").glob("rcvlist_*")):
+        assert time.monotonic() < end, f"nobody listens on {name}"
+        time.sleep(0.05)
 
 
 def by_turns() -> list[str]:

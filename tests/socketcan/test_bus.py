@@ -39,6 +39,7 @@ from bus import (
     ip,
     lamp_node,
     refused,
+    wait_for_listener,
 )
 from bus_frames import COMMAND, LAMP_COMMAND, LAMP_FEEDBACK, MODES, NEIGHBOUR_OUTFLOW, STATUS, sealed
 
@@ -149,7 +150,7 @@ def test_the_log_over_the_bus_is_the_log_in_process_byte_for_byte(site: str) -> 
     done = host_sim(*run, "--link", "inproc", "--log", str(inproc), "--summary", str(OUT / "inproc.json"))
     assert done.returncode == 0, done.stderr
     with interface("lock0") as name, controller(name, "--clock", "bus", site=site):
-        time.sleep(1.0)
+        wait_for_listener(name)
         done = host_sim(*run, "--link", f"can:{name}", "--log", str(wire), "--summary", str(OUT / "wire.json"))
         assert done.returncode == 0, done.stderr
     assert len(inproc.read_text().splitlines()) == 60

@@ -9,9 +9,8 @@ Short, with one camera: a picture that is drawn and looked at in an emulated pro
 import json
 import os
 import subprocess
-import time
 
-from bus import OUT, PROGRAMS, ROOT, controller, interface
+from bus import OUT, PROGRAMS, ROOT, controller, interface, wait_for_listener
 
 SITE = os.environ["ELMOPP_ONE_CAMERA_SITE"]
 
@@ -24,7 +23,6 @@ def closed_loop(name: str, link: str) -> tuple[dict[str, object], str]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=480,
         cwd=ROOT,
     )
     assert done.returncode == 0, done.stderr
@@ -36,7 +34,7 @@ def closed_loop(name: str, link: str) -> tuple[dict[str, object], str]:
 def test_the_closed_loop_over_the_bus_is_the_one_in_process() -> None:
     inproc = closed_loop("loop_inproc", "inproc")
     with interface("loop0") as name, controller(name, "--clock", "bus", site=SITE):
-        time.sleep(1.0)
+        wait_for_listener(name)
         wire = closed_loop("loop_wire", f"can:{name}")
     assert wire == inproc
     assert '"mode":"automatic"' in inproc[1]

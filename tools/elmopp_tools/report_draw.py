@@ -123,7 +123,7 @@ def _draw_forecast(axes: Axes, t_s: np.ndarray, log: Log) -> None:
     axes.plot(t_s[: len(came)], came, color=VERMILLION, label="came")
     axes.set_ylabel("vehicles")
     axes.set_title("the next 60 s, all approaches", loc="left", size=9)
-    axes.legend(loc="upper right", ncols=2)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.1, ncols=2)  # above: no line is there
 
 
 def ways(all_ways: Sequence[Way]) -> bytes:

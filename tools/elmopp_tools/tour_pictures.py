@@ -26,7 +26,7 @@ HOST_SIM = ROOT / "build" / "release" / "bin" / "host_sim"
 EDITOR = Path(__file__).with_name("lane_editor.html")
 EXIT_DONE = 0
 EXIT_REFUSED = 2
-COLOURS = 64
+COLOURS = 256  # a lamp is a small part of a picture, and with fewer its red turns brown
 EDITOR_SCALE = 0.65  # the road is noise, which a PNG cannot make small
 SECOND = 300
 STEP = 300
@@ -91,7 +91,7 @@ def take_live(browser: Browser, raw: Path) -> None:
 
 
 def take_editor(browser: Browser, tour: Path, raw: Path) -> None:
-    browser.look(1100, 760, scale=EDITOR_SCALE)
+    browser.look(1100, 880, scale=EDITOR_SCALE)
     browser.open(EDITOR.as_uri())
     browser.wait("document.body && document.body.dataset.ready === 'yes'")
     browser.choose("#open-picture", tour / "plain.png")

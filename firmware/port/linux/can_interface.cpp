@@ -4,6 +4,7 @@
 #include "can_interface.hpp"
 
 #include "error.hpp"
+#include "program.hpp"
 
 #include <libmnl/libmnl.h>
 #include <linux/can/netlink.h>
@@ -105,7 +106,7 @@ CanInterface look_at_can(const std::string &name) {
     return found;
 }
 
-std::string check_can(const std::string &name) {
+void check_can(const std::string &program, const std::string &name) {
     const CanInterface found = look_at_can(name);
     if (!found.exists) {
         throw BadRequest("--can " + name +
@@ -117,14 +118,12 @@ std::string check_can(const std::string &name) {
                          std::to_string(can_bit_rate) + " (ip link set " + name + " type can bitrate " +
                          std::to_string(can_bit_rate) + ")");
     }
-    std::string warning;
     if (!found.up) {
-        warning = name + " is down; nothing is heard before somebody brings it up";
+        say(program, name + " is down; nothing is heard before somebody brings it up");
     } else if (found.has_restart && found.restart_ms == 0) {
-        warning =
-            name + " does not come back from bus-off by itself (ip link set " + name + " type can restart-ms 100)";
+        say(program,
+            name + " does not come back from bus-off by itself (ip link set " + name + " type can restart-ms 100)");
     }
-    return warning;
 }
 
 } // namespace elmopp

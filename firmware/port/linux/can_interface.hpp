@@ -23,8 +23,8 @@ struct CanInterface {
 
 CanInterface look_at_can(const std::string &name);
 
-/// Throws BadRequest if the interface is missing or runs at another bit rate; returns what there is to warn of, or
-/// nothing.
-std::string check_can(const std::string &name);
+/// Throws BadRequest if the interface is missing or runs at another bit rate; says for the program what there is to
+/// warn of.
+void check_can(const std::string &program, const std::string &name);
 
 } // namespace elmopp

@@ -464,9 +464,7 @@ void run(const Request &request) {
         check_weights(request, junction, *given);
     }
     Kept kept(request.store, junction, given.get());
-    if (const std::string warning = check_can(request.can); !warning.empty()) {
-        say_it(warning);
-    }
+    check_can(program_name, request.can);
     Program program(request, kept);
     (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
     program.run();
@@ -478,8 +476,7 @@ void add_options(CLI::App &app, Request &request) {
     app.footer("SIGTERM: all red, then the end. SIGUSR1 and SIGUSR2: the local reset input is held, and let go.\n"
                "Exit codes: 0 stopped as asked, 1 it ran and failed, 2 the request cannot be run (one line says why).\n"
                "Start with: elmopp-controller --can vcan0 --site sites/four_way.toml");
-    app.add_option("--can", request.can, "CAN interface, 500 kbit/s")->type_name("IFACE")->required();
-    app.add_option("--site", request.site, "The junction, .toml or .bin")->type_name("FILE")->required();
+    add_bus_options(app, request.can, request.site);
     app.add_option("--weights", request.weights, "ELMW image instead of the shipped network")->type_name("FILE");
     app.add_option("--store", request.store,
                    "Folder for weights and a site that come over the bus, and for what a site with learning = true has "

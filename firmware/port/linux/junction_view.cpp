@@ -17,6 +17,8 @@ namespace elmopp {
 namespace {
 
 constexpr double tenth = 0.1;
+constexpr unsigned burns = 7; ///< the bits of LampFeedback
+constexpr unsigned flashes = 8;
 
 const std::array<const char *, ELMOPP_ASPECT_COUNT + 1> aspect_words{
     "dark", "red", "red-amber", "GREEN", "amber", "flashing amber", "flashing red", "no aspect"};
@@ -84,7 +86,7 @@ void JunctionView::hear(const elmopp_frame_t &frame, std::uint32_t now_ms) {
     } else if (junction) {
         occupancy_.set(elmopp_frames_occupancy(&frame), now_ms);
     } else if (node < ELMOPP_NODE_MAX) {
-        feedback_.at(node).set(elmopp_frames_feedback(&frame), now_ms);
+        hear_feedback(elmopp_frames_feedback(&frame), node, now_ms);
     } else {
         hear_approach(frame, now_ms);
     }
@@ -102,6 +104,31 @@ void JunctionView::hear_approach(const elmopp_frame_t &frame, std::uint32_t now_
     } else {
         hear_forecast(frame, frame.id - ELMOPP_CAN_FORECAST_FRAME_ID, now_ms);
     }
+}
+
+/// Held against the command of this moment. What flashes is lit or dark just now.
+void JunctionView::hear_feedback(const elmopp_feedback_t &feedback, unsigned node, std::uint32_t now_ms) {
+    std::uint16_t off = 0;
+    for (std::uint32_t g = 0; g < junction_.group_count; ++g) {
+        const unsigned told = elmopp_lamps_bits(&lamps_.value, g);
+        const unsigned shown = elmopp_lamps_bits(&feedback.lamps, g) & burns;
+        const bool as_told = (told & flashes) != 0 ? (shown & ~told) == 0 : shown == (told & burns);
+        off = static_cast<std::uint16_t>(off | (as_told ? 0U : 1U << g));
+    }
+    nodes_.at(node).set({feedback, off, nodes_.at(node).value.off}, now_ms);
+}
+
+/// Twice in a row: a report may have crossed its command on the bus.
+std::string JunctionView::differs(std::uint32_t group, std::uint32_t now_ms) const {
+    const auto &node = nodes_.at(junction_.group[group].node);
+    if (!node.is_fresh(now_ms, ELMOPP_CAN_LAMP_FEEDBACK_CYCLE_TIME_MS)) {
+        return "node silent";
+    }
+    if (node.value.feedback.own_fail_safe) {
+        return "node flashes by itself";
+    }
+    const bool off = elmopp_mask_has(static_cast<std::uint16_t>(node.value.off & node.value.off_before), group);
+    return off ? "shows " + word_of(aspect_words, elmopp_lamps_aspect(&node.value.feedback.lamps, group)) : "";
 }
 
 void JunctionView::hear_status(const elmopp_frame_t &frame, std::uint32_t now_ms) {
@@ -131,6 +158,9 @@ JunctionView::Seen JunctionView::seen(std::uint32_t now_ms) const {
         seen.counts.at(i) = counts_.at(i).if_fresh(now_ms, ELMOPP_CAN_DETECTOR_COUNTS_CYCLE_TIME_MS);
         seen.forecast.at(i) = forecast_.at(i).if_fresh(now_ms, ELMOPP_CAN_FORECAST_CYCLE_TIME_MS);
     }
+    for (std::uint32_t g = 0; g < junction_.group_count; ++g) {
+        seen.differs.at(g) = differs(g, now_ms);
+    }
     return seen;
 }
 
@@ -159,18 +189,11 @@ std::string JunctionView::lamps_line(std::uint32_t now_ms) const {
     if (!lamps_.is_fresh(now_ms, ELMOPP_CAN_LAMP_COMMAND_CYCLE_TIME_MS)) {
         return text + " nobody commands";
     }
-    constexpr unsigned burns = 7; // the bits of LampFeedback
     for (std::uint32_t g = 0; g < junction_.group_count; ++g) {
-        const auto &node = feedback_.at(junction_.group[g].node);
         text += std::string(" ") + junction_.group[g].name + " " +
                 word_of(aspect_words, elmopp_lamps_aspect(&lamps_.value, g));
-        if (!node.is_fresh(now_ms, ELMOPP_CAN_LAMP_FEEDBACK_CYCLE_TIME_MS)) {
-            text += " (node silent)";
-        } else if (node.value.own_fail_safe) {
-            text += " (node flashes by itself)";
-        } else if (((elmopp_lamps_bits(&node.value.lamps, g) ^ elmopp_lamps_bits(&lamps_.value, g)) & burns) != 0) {
-            text += " (shows otherwise)";
-        }
+        const std::string otherwise = differs(g, now_ms);
+        text += otherwise.empty() ? "" : " (" + otherwise + ")";
         text += g + 1U < junction_.group_count ? "," : "";
     }
     return text;

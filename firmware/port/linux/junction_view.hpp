@@ -48,6 +48,7 @@ class JunctionView {
         std::optional<elmopp_lamps_t> lamps;
         std::array<std::optional<Counts>, ELMOPP_APPROACH_MAX> counts;
         std::array<std::optional<Forecast>, ELMOPP_APPROACH_MAX> forecast;
+        std::array<std::string, ELMOPP_GROUP_MAX> differs; ///< what the lamps do that were not told so; empty: as told
     };
 
     /// A frame that was heard at this time. One that is not whole is counted, one of another kind is none of ours.
@@ -80,6 +81,15 @@ class JunctionView {
         }
     };
 
+    /// What a lamp node measures, and which of its groups that differs for from what it was told.
+    struct Node {
+        elmopp_feedback_t feedback;
+        std::uint16_t off;
+        std::uint16_t off_before;
+    };
+
+    void hear_feedback(const elmopp_feedback_t &feedback, unsigned node, std::uint32_t now_ms);
+    [[nodiscard]] std::string differs(std::uint32_t group, std::uint32_t now_ms) const;
     void hear_approach(const elmopp_frame_t &frame, std::uint32_t now_ms);
     void hear_status(const elmopp_frame_t &frame, std::uint32_t now_ms);
     void hear_forecast(const elmopp_frame_t &frame, unsigned approach, std::uint32_t now_ms);
@@ -95,7 +105,7 @@ class JunctionView {
     Latest<Status> status_;
     Latest<elmopp_lamps_t> lamps_;
     Latest<elmopp_occupancy_t> occupancy_;
-    std::array<Latest<elmopp_feedback_t>, ELMOPP_NODE_MAX> feedback_;
+    std::array<Latest<Node>, ELMOPP_NODE_MAX> nodes_;
     std::array<Latest<Counts>, ELMOPP_APPROACH_MAX> counts_;
     std::array<Latest<Forecast>, ELMOPP_APPROACH_MAX> forecast_;
     std::array<Latest<elmopp_outflow_t>, ELMOPP_APPROACH_MAX> outflow_;

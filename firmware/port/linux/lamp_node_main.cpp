@@ -39,10 +39,6 @@ struct Request {
     std::vector<std::string> breaks;
 };
 
-void say_it(const std::string &text) {
-    say(program_name, text);
-}
-
 bool is_same(const elmopp_lamps_t &a, const elmopp_lamps_t &b) {
     return a.red == b.red && a.amber == b.amber && a.green == b.green && a.flash == b.flash;
 }
@@ -135,9 +131,7 @@ void run(const Request &request) {
     for (const auto &text : request.breaks) {
         breaks.push_back(parse_breakage(text, junction));
     }
-    if (const std::string warning = check_can(request.can); !warning.empty()) {
-        say_it(warning);
-    }
+    check_can(program_name, request.can);
     Program program(request, junction, breaks);
     (void)mlockall(MCL_CURRENT | MCL_FUTURE); // a page fault may be late; without the right to lock it goes on
     program.run();
@@ -149,8 +143,7 @@ void add_options(CLI::App &app, Request &request) {
         "Prints what burns: milliseconds since the start, one digit a signal group (0 dark, 1 red, 2 red-amber,\n"
         "3 green, 4 amber, 5 flashing amber, 6 flashing red), \"by itself\" while nobody good commands.\n"
         "Exit codes: 0 stopped as asked, 1 it ran and failed, 2 the request cannot be run (one line says why).");
-    app.add_option("--can", request.can, "CAN interface, 500 kbit/s")->type_name("IFACE")->required();
-    app.add_option("--site", request.site, "The junction, .toml or .bin")->type_name("FILE")->required();
+    add_bus_options(app, request.can, request.site);
     app.add_option("--node", request.node, "Number of the node")->type_name("N")->capture_default_str();
     app.add_option("--break", request.breaks, "stuck:GROUP:ASPECT@MS, lose:COUNT@MS or late:DELAY_MS@MS; repeatable")
         ->type_name("WHAT");

@@ -33,9 +33,7 @@ struct Request {
 
 void run(const Request &request) {
     const elmopp_junction_t junction = read_site(request.site);
-    if (const std::string warning = check_can(request.can); !warning.empty()) {
-        say(program_name, warning);
-    }
+    check_can(program_name, request.can);
     CanSocket socket(request.can, {});
     Wakeups wakeups(redraw_ms, {SIGINT, SIGTERM});
     JunctionView view(junction);
@@ -66,8 +64,7 @@ void add_options(CLI::App &app, Request &request) {
     app.footer(
         "Two times a second; ctrl-C ends it. Exit codes: 0 done, 2 the request cannot be run (one line says why).\n"
         "Frame by frame: candump -L IFACE | python -m cantools decode --single-line firmware/can/elmopp.dbc");
-    app.add_option("--can", request.can, "CAN interface")->type_name("IFACE")->required();
-    app.add_option("--site", request.site, "The junction, .toml or .bin")->type_name("FILE")->required();
+    add_bus_options(app, request.can, request.site);
     app.add_flag("--once", request.once, "Listen for three seconds, say what there is, and end");
 }
 

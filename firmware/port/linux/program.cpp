@@ -24,6 +24,11 @@ void say(const std::string &program, std::string text) {
     std::cerr << program + ": " + text + "\n";
 }
 
+void add_bus_options(CLI::App &app, std::string &can, std::string &site) {
+    app.add_option("--can", can, "CAN interface, 500 kbit/s")->type_name("IFACE")->required();
+    app.add_option("--site", site, "The junction, .toml or .bin")->type_name("FILE")->required();
+}
+
 int run_program(const std::string &program, int argc, char **argv, const std::function<void(CLI::App &)> &describe,
                 const std::function<void()> &body) noexcept {
     try {

@@ -17,6 +17,9 @@ namespace elmopp {
 /// One line on stderr, whatever the text holds.
 void say(const std::string &program, std::string text);
 
+/// --can and --site of who takes part in a junction's bus, or listens to it.
+void add_bus_options(CLI::App &app, std::string &can, std::string &site);
+
 /// Parses the arguments into the options that `describe` adds, then runs `body`. Exit codes: 0 done, or help was asked
 /// for; 1 it ran and failed; 2 the request cannot be run. Never throws.
 int run_program(const std::string &program, int argc, char **argv, const std::function<void(CLI::App &)> &describe,

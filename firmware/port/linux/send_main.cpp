@@ -80,9 +80,7 @@ void send_it(CanSocket &socket, ImageSender &sender) {
 
 void run(const Request &request) {
     const std::vector<std::uint8_t> image = read_image(request);
-    if (const std::string warning = check_can(request.can); !warning.empty()) {
-        say(program_name, warning);
-    }
+    check_can(program_name, request.can);
     CanSocket socket(request.can, {ELMOPP_CAN_TRANSFER_ACK_FRAME_ID});
     ImageSender sender(image, request.until_kept, monotonic_ms());
     send_it(socket, sender);
