@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace elmopp {
 namespace {
@@ -138,37 +139,75 @@ void Background::assume(const Sample &sample) {
 }
 
 void Background::learn(const std::vector<Sample> &samples) {
+    begin(samples);
+    int all = std::numeric_limits<int>::max();
+    learn_more(all);
+}
+
+void Background::begin(const std::vector<Sample> &samples) {
     constexpr std::size_t most = 36;
+    Lesson lesson;
+    lesson.samples = samples;
+    lesson.views.resize(std::min(most, samples.size()));
+    for (cv::Mat *plane : {&lesson.light, &lesson.red, &lesson.blue}) {
+        plane->create(valid_.size(), CV_32F);
+    }
+    lesson_ = std::move(lesson);
+}
+
+bool Background::learn_more(int &pixels) {
+    while (lesson_ && pixels > 0) {
+        if (lesson_->row < valid_.rows) {
+            learn_row(*lesson_);
+            pixels -= valid_.cols;
+            continue;
+        }
+        light_ = lesson_->light;
+        red_ = lesson_->red;
+        blue_ = lesson_->blue;
+        gain_ = lesson_->samples.back().gain;
+        noise_ = noise_of(lesson_->samples);
+        before_.release();
+        crept_.release();
+        still_s_.setTo(0);
+        judge_road();
+        learnt_ = true;
+        lesson_.reset();
+    }
+    return !lesson_;
+}
+
+/// The mode of each pixel of the next row.
+void Background::learn_row(Lesson &lesson) const {
     constexpr double mode_share = 0.4;
-    const std::size_t many = std::min(most, samples.size());
-    std::vector<Seen> views(many);
-    for (std::size_t i = 0; i < many; ++i) {
+    const std::vector<Sample> &samples = lesson.samples;
+    std::vector<Seen> &views = lesson.views;
+    const std::size_t many = views.size();
+    for (std::size_t i = 0; i < many && lesson.row == 0; ++i) {
         logarithms(samples[i * (samples.size() - 1) / std::max<std::size_t>(1, many - 1)], views[i]);
     }
-    gain_ = samples.back().gain;
-    light_.create(valid_.size(), CV_32F);
-    red_.create(valid_.size(), CV_32F);
-    blue_.create(valid_.size(), CV_32F);
     std::vector<std::pair<float, std::size_t>> sorted(many);
-    for (int r = 0; r < light_.rows; ++r) {
-        for (int c = 0; c < light_.cols; ++c) {
-            for (std::size_t i = 0; i < many; ++i) {
-                sorted[i] = {views[i].light.at<float>(r, c), i};
-            }
-            std::sort(sorted.begin(), sorted.end());
-            const auto [first, count] = densest(sorted, mode_share);
-            cv::Vec3f sum(0, 0, 0);
-            for (std::size_t i = first; i < first + count; ++i) {
-                const Seen &view = views[sorted[i].second];
-                sum += cv::Vec3f(view.light.at<float>(r, c), view.red.at<float>(r, c), view.blue.at<float>(r, c));
-            }
-            sum /= static_cast<float>(count);
-            light_.at<float>(r, c) = sum[0];
-            red_.at<float>(r, c) = sum[1];
-            blue_.at<float>(r, c) = sum[2];
+    const int r = lesson.row++;
+    for (int c = 0; c < valid_.cols; ++c) {
+        for (std::size_t i = 0; i < many; ++i) {
+            sorted[i] = {views[i].light.at<float>(r, c), i};
         }
+        std::sort(sorted.begin(), sorted.end());
+        const auto [first, count] = densest(sorted, mode_share);
+        cv::Vec3f sum(0, 0, 0);
+        for (std::size_t i = first; i < first + count; ++i) {
+            const Seen &view = views[sorted[i].second];
+            sum += cv::Vec3f(view.light.at<float>(r, c), view.red.at<float>(r, c), view.blue.at<float>(r, c));
+        }
+        sum /= static_cast<float>(count);
+        lesson.light.at<float>(r, c) = sum[0];
+        lesson.red.at<float>(r, c) = sum[1];
+        lesson.blue.at<float>(r, c) = sum[2];
     }
-    // Noise from frames that follow one another: what moves is in the minority.
+}
+
+/// From frames that follow one another: what moves is in the minority.
+float Background::noise_of(const std::vector<Sample> &samples) const {
     std::vector<float> steps;
     Seen one;
     Seen two;
@@ -180,12 +219,7 @@ void Background::learn(const std::vector<Sample> &samples) {
     }
     std::sort(steps.begin(), steps.end());
     const float typical = steps.empty() ? unknown_noise * normal_median : steps[steps.size() / 2];
-    noise_ = std::clamp(typical / normal_median, least_noise, most_noise);
-    before_.release();
-    crept_.release();
-    still_s_.setTo(0);
-    judge_road();
-    learnt_ = true;
+    return std::clamp(typical / normal_median, least_noise, most_noise);
 }
 
 void Background::rebase(double gain) {
@@ -216,6 +250,19 @@ cv::Mat Background::road_texture() const {
     return high_pass(light_, 7);
 }
 
+/// Edges of the dark: lamps, bumpers and windows are sharp somewhere, the rim of a cone of light is nowhere.
+cv::Mat Background::beside_sharp(const cv::Mat &texture, const cv::Mat &change) const {
+    constexpr float sharp_limit = 0.07F;
+    cv::Mat near = high_pass(change, 3) > std::max(sharp_limit, 3 * noise_);
+    near &= valid_;
+    // Noise has single ones.
+    cv::Mat firm;
+    cv::boxFilter(near, firm, CV_8U, cv::Size(3, 3));
+    near = firm > 255 / 3;
+    cv::dilate(near, near, cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(odd(0.5), odd(0.5))));
+    return texture & near;
+}
+
 Background::Seen Background::look(const Sample &sample) {
     constexpr float plain_bright = 0.40F;
     Seen seen;
@@ -238,7 +285,7 @@ Background::Seen Background::look(const Sample &sample) {
         may |= change > bright_limit * clear;
     }
     cv::Mat density;
-    texture.convertTo(density, CV_32F, 1.0 / 255);
+    (day_ ? texture : beside_sharp(texture, change)).convertTo(density, CV_32F, 1.0 / 255);
     cv::Mat sure = box(density, odd(0.28)) > settings_.density;
     if (day_) {
         sure |= change > plain_bright * clear;

@@ -20,6 +20,7 @@
 
 #include <opencv2/core.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace elmopp {
@@ -50,6 +51,12 @@ class Background {
 
     /// Learns the road from these pictures of it, in the order of time.
     void learn(const std::vector<Sample> &samples);
+
+    /// The same in pieces, as no frame may take long: begin(), then learn_more() until it returns true. Each takes the
+    /// pixels that it has worked on from `pixels`, and does nothing when none are left. Until then the road is what it
+    /// was.
+    void begin(const std::vector<Sample> &samples);
+    bool learn_more(int &pixels);
 
     /// Takes one picture for the road, until learn().
     void assume(const Sample &sample);
@@ -82,12 +89,26 @@ class Background {
     static void logarithms(const Sample &sample, Seen &seen);
 
   private:
+    /// What is being learnt.
+    struct Lesson {
+        std::vector<Sample> samples;
+        std::vector<Seen> views; ///< of some of them
+        cv::Mat light;
+        cv::Mat red;
+        cv::Mat blue;
+        int row = 0; ///< the next one
+    };
+
+    void learn_row(Lesson &lesson) const;
+    [[nodiscard]] float noise_of(const std::vector<Sample> &samples) const;
+    [[nodiscard]] cv::Mat beside_sharp(const cv::Mat &texture, const cv::Mat &change) const;
     void judge_road();
     void follow_crept(const Seen &seen);
     [[nodiscard]] cv::Mat ghosts(const Seen &seen, double ghost_s) const;
 
     cv::Mat valid_;
     Settings settings_;
+    std::optional<Lesson> lesson_;
     cv::Mat light_;
     cv::Mat red_;
     cv::Mat blue_;

@@ -102,23 +102,63 @@ class Timing {
     }
 
     void end() {
-        frames_s_.push_back(processor_s() - began_);
+        frames_s_.add(processor_s() - began_);
+    }
+
+    /// A live frame was so old when all was done with it.
+    void late(double latency_s) {
+        latencies_s_.add(latency_s);
     }
 
     [[nodiscard]] std::string line() const {
         rusage used{};
         getrusage(RUSAGE_SELF, &used);
-        std::vector<double> sorted = frames_s_;
-        std::sort(sorted.begin(), sorted.end());
-        const double p99_s = sorted.empty() ? 0.0 : sorted[(sorted.size() - 1) * 99 / 100];
         const double cpu_s = processor_s();
         constexpr double kib_a_mib = 1024.0;
-        return "{\"frames\": " + std::to_string(frames_s_.size()) + ", \"cpu_s\": " + std::to_string(cpu_s) +
-               ", \"p99_ms\": " + std::to_string(1000 * p99_s) +
+        constexpr double most = 1.0;
+        constexpr double usual_most = 0.99;
+        const auto ms = [](const std::string &name, double seconds) {
+            return ", \"" + name + "\": " + std::to_string(1000 * seconds);
+        };
+        const bool live = latencies_s_.many() > 0;
+        return "{\"frames\": " + std::to_string(frames_s_.many()) + ", \"cpu_s\": " + std::to_string(cpu_s) +
+               ms("p99_ms", frames_s_.share(usual_most)) + ms("most_ms", frames_s_.share(most)) +
+               (live ? ms("latency_p99_ms", latencies_s_.share(usual_most)) : "") +
+               (live ? ms("latency_most_ms", latencies_s_.share(most)) : "") +
                ", \"rss_mb\": " + std::to_string(static_cast<double>(used.ru_maxrss) / kib_a_mib) + "}";
     }
 
   private:
+    /// All of a video's frames, the last ones of a camera that runs for years.
+    class Seconds {
+      public:
+        void add(double seconds) {
+            constexpr std::size_t memory = 100000;
+            if (last_.size() < memory) {
+                last_.push_back(seconds);
+            } else {
+                last_[many_ % memory] = seconds;
+            }
+            ++many_;
+        }
+
+        [[nodiscard]] std::size_t many() const {
+            return many_;
+        }
+
+        /// What so large a share is not above.
+        [[nodiscard]] double share(double share) const {
+            std::vector<double> sorted = last_;
+            std::sort(sorted.begin(), sorted.end());
+            return sorted.empty() ? 0.0
+                                  : sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+        }
+
+      private:
+        std::vector<double> last_;
+        std::size_t many_ = 0;
+    };
+
     static double processor_s() {
         timespec now{};
         clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -126,7 +166,8 @@ class Timing {
     }
 
     double began_ = 0.0;
-    std::vector<double> frames_s_;
+    Seconds frames_s_;
+    Seconds latencies_s_;
 };
 
 class CameraProgram {
@@ -292,7 +333,7 @@ void CameraProgram::run_file() {
 
 /// The newest frame, and a record each second whether there are frames or not.
 void CameraProgram::run_live() {
-    LiveSource live(request_.source);
+    LiveSource live(request_.source, cv::Size(file_.width_px, file_.height_px));
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const auto at = [start](double t_s) {
@@ -309,7 +350,9 @@ void CameraProgram::run_live() {
             feed(frame);
             draw(frame);
             clock_.end();
-            worst_ms = std::max(worst_ms, 1000 * (live.now_s() - frame.t_s));
+            const double latency_s = live.now_s() - frame.t_s;
+            clock_.late(latency_s);
+            worst_ms = std::max(worst_ms, 1000 * latency_s);
         } else {
             counter_.miss(live.now_s());
         }

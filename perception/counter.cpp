@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace elmopp {
@@ -20,6 +21,8 @@ namespace {
 constexpr double learning_s = 3.0;
 constexpr std::size_t learning_least = 12; ///< frames
 constexpr int catch_up = 3;                ///< kept frames that are counted with each new one
+constexpr double lesson_px_per_s = 400e3; ///< pixels of patches that are learnt, of the video's time: a third of a core
+constexpr double longest_step_s = 0.2;    ///< ... and in one frame at most
 
 bool vertical(const Lane &lane) {
     return lane.direction == Direction::up || lane.direction == Direction::down;
@@ -171,7 +174,8 @@ struct Counter::Impl {
     void count(Road &road, const Kept &kept);
     void collect(Road &road);
     void learn_anew();
-    void end_learning();
+    void begin_lesson();
+    void learn_more(int pixels);
     void find(const cv::Mat &bgr, const cv::Point2d &shift_px);
     [[nodiscard]] Background::Sample sample_of(const Patch &patch, const cv::Mat &bgr,
                                                const Registration::Result &placed) const;
@@ -211,6 +215,7 @@ struct Counter::Impl {
     cv::Mat found;      ///< 255 inside of what it found in this frame
     double clear = 1.0; ///< contrast of the picture
     bool learning = true;
+    bool lesson = false; ///< while learning: enough was seen, and the roads are being made of it
     std::int64_t frame = -1;
     double t_s = 0.0;
     double last_s = 0.0;
@@ -333,25 +338,38 @@ void Counter::Impl::learn_anew() {
         box->kept.clear();
     }
     learning = true;
+    lesson = false;
     learnt_for_s = 0;
 }
 
-void Counter::Impl::end_learning() {
+/// What was kept up to now is what is learnt from.
+void Counter::Impl::begin_lesson() {
     for (Road &road : roads) {
         std::vector<Background::Sample> samples(road.kept.size());
         std::transform(road.kept.begin(), road.kept.end(), samples.begin(),
                        [](const Kept &kept) { return kept.sample; });
-        road.section->background().learn(samples);
+        road.section->background().begin(samples);
     }
     for (Zone &zone : zones) {
-        zone.presence->learn(zone.kept);
+        zone.presence->begin(zone.kept);
         zone.kept.clear();
     }
     if (box) {
-        box->junction->learn(box->kept);
+        box->junction->background().begin(box->kept);
         box->kept.clear();
     }
-    learning = false;
+    lesson = true;
+}
+
+/// Goes on with the lesson for so many pixels. When it is over, so is the learning.
+void Counter::Impl::learn_more(int pixels) {
+    const bool learnt =
+        std::all_of(roads.begin(), roads.end(),
+                    [&](Road &road) { return road.section->background().learn_more(pixels); }) &&
+        std::all_of(zones.begin(), zones.end(), [&](Zone &zone) { return zone.presence->learn_more(pixels); }) &&
+        (!box || box->junction->background().learn_more(pixels));
+    lesson = !learnt;
+    learning = !learnt;
 }
 
 /// Asks the finder, and makes what it found a mask for the lines and numbers for the zones.
@@ -395,6 +413,9 @@ void Counter::Impl::feed_roads(const cv::Mat &bgr, const Registration::Result &p
 /// Zones change slowly: they are looked at a few times a second.
 void Counter::Impl::feed_zones(const cv::Mat &bgr, const Registration::Result &placed, double step_s) {
     constexpr double look_s = 0.11;
+    if (lesson) {
+        return;
+    }
     const bool first = zone_step_s <= 0;
     zone_step_s += step_s;
     if (zone_step_s < look_s && !first) {
@@ -436,7 +457,7 @@ void Counter::Impl::rebase() {
         zone.presence->rebase(gain);
     }
     if (box) {
-        box->junction->rebase(gain);
+        box->junction->background().rebase(gain);
     }
 }
 
@@ -507,7 +528,7 @@ void Counter::reference(const cv::Mat &bgr) {
         zone.presence->known();
     }
     if (my.box) {
-        my.box->junction->learn(sample_of(my.box->junction->patch()));
+        my.box->junction->background().learn(sample_of(my.box->junction->patch()));
     }
     my.learning = false;
 }
@@ -547,8 +568,11 @@ void Counter::feed(const cv::Mat &bgr, double t_s) {
     my.feed_roads(bgr, placed, step_s);
     my.feed_zones(bgr, placed, step_s);
     my.learnt_for_s += my.learning ? step_s : 0.0;
-    if (my.learning && my.learnt_for_s >= learning_s && my.roads.front().kept.size() >= learning_least) {
-        my.end_learning();
+    if (my.learning && !my.lesson && my.learnt_for_s >= learning_s && my.roads.front().kept.size() >= learning_least) {
+        my.begin_lesson();
+    }
+    if (my.lesson) {
+        my.learn_more(static_cast<int>(lesson_px_per_s * std::min(step_s, longest_step_s)));
     }
 }
 
@@ -563,7 +587,10 @@ void Counter::finish() {
     constexpr std::size_t least = 3;
     Impl &my = *impl_;
     if (my.learning && my.roads.front().kept.size() >= least) {
-        my.end_learning();
+        if (!my.lesson) {
+            my.begin_lesson();
+        }
+        my.learn_more(std::numeric_limits<int>::max());
     }
     my.learn_anew();
 }

@@ -5,7 +5,10 @@
 /// frames.
 ///
 /// After each start and each cut of the scene it learns for three seconds; those frames are kept and counted
-/// afterwards, so that nothing of them is lost, only late. The same frames give the same records, bit for bit.
+/// afterwards, so that nothing of them is lost, only late. What is made of them is made over the frames that follow, so
+/// that no frame takes long: a lane more, or a zone, takes some tenths of a second more until all is known. (Only a
+/// cut that comes while kept frames are still being counted has the rest of them counted at once.) The same frames give
+/// the same records, bit for bit.
 ///
 /// Owner: whoever reads the camera. Not thread-safe. Memory: about a hundred small patches while learning, otherwise
 /// bounded by lanes and zones.

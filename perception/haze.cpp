@@ -15,26 +15,38 @@ namespace {
 constexpr int small_width_px = 320;
 constexpr double judged_after_s = 1.0;
 constexpr double tau_s = 10.0;
-constexpr double usual = 0.2; ///< high-pass of the logarithm that three in a hundred pixels of a clear picture exceed
+constexpr double offset = 16.0; ///< grey values, of the logarithm
+constexpr double usual = 0.2;   ///< high-pass of the logarithm that three in a hundred pixels of a clear picture exceed
 constexpr double edges = 0.97;
+constexpr double usual_depth = 0.55; ///< how far below its middle the dark of a clear picture lies, of the middle
+constexpr double darkest = 0.02;
 constexpr double least = 0.3;
 
-/// The high-pass of the logarithm, 7 x 7, that all but few pixels stay below.
-double structure_of(const cv::Mat &bgr) {
+double share_of(std::vector<float> values, double share) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return static_cast<double>(*at);
+}
+
+/// Two signs of haze, each as a share of what is usual; the picture is as clear as the lesser. Edges are weak: the
+/// high-pass of the logarithm, 7 x 7, that all but few pixels stay below. And nothing is dark: between the eye and
+/// everything there is light.
+double clearness_of(const cv::Mat &bgr) {
     cv::Mat grey;
     cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
     const double scale = std::min(1.0, static_cast<double>(small_width_px) / grey.cols);
     cv::resize(grey, grey, cv::Size(), scale, scale, cv::INTER_AREA);
     cv::Mat light;
-    grey.convertTo(light, CV_32F, 1.0, 16.0);
+    grey.convertTo(light, CV_32F, 1.0, offset);
+    const std::vector<float> greys(light.begin<float>(), light.end<float>());
+    const double middle = share_of(greys, 0.5);
+    const double depth = (middle - share_of(greys, darkest)) / middle;
     cv::log(light, light);
     cv::Mat smooth;
     cv::blur(light, smooth, cv::Size(7, 7));
     const cv::Mat rest = cv::abs(light - smooth);
-    std::vector<float> values(rest.begin<float>(), rest.end<float>());
-    const auto at = values.begin() + static_cast<std::ptrdiff_t>(edges * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return static_cast<double>(*at);
+    const double structure = share_of({rest.begin<float>(), rest.end<float>()}, edges);
+    return std::min(structure / usual, depth / usual_depth);
 }
 
 } // namespace
@@ -44,7 +56,7 @@ double Haze::follow(const cv::Mat &bgr, double dt_s) {
     if (known_ && since_s_ < judged_after_s) {
         return clear_;
     }
-    const double now = std::clamp(structure_of(bgr) / usual, least, 1.0);
+    const double now = std::clamp(clearness_of(bgr), least, 1.0);
     clear_ = known_ ? clear_ + (1 - std::exp(-since_s_ / tau_s)) * (now - clear_) : now;
     since_s_ = 0;
     known_ = true;

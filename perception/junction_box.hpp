@@ -22,16 +22,11 @@ class JunctionBox {
         return patch_;
     }
 
-    void learn(const std::vector<Background::Sample> &samples) {
-        background_.learn(samples);
+    [[nodiscard]] Background &background() {
+        return background_;
     }
 
     void feed(const Background::Sample &sample, double dt_s);
-
-    /// See Background.
-    void rebase(double gain) {
-        background_.rebase(gain);
-    }
 
     [[nodiscard]] bool occupied() const {
         return occupied_;

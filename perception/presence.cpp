@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace elmopp {
 namespace {
@@ -115,10 +116,32 @@ void Presence::assume(const Background::Sample &sample) {
 }
 
 void Presence::learn(const std::vector<Background::Sample> &samples) {
-    background_.learn(samples);
-    before_.release();
-    find_unknown();
-    // What moved while it was learnt was no queue.
+    begin(samples);
+    int all = std::numeric_limits<int>::max();
+    learn_more(all);
+}
+
+void Presence::begin(const std::vector<Background::Sample> &samples) {
+    lesson_ = samples;
+    background_.begin(samples);
+}
+
+bool Presence::learn_more(int &pixels) {
+    if (!background_.learn_more(pixels)) {
+        return false;
+    }
+    if (!lesson_.empty()) {
+        before_.release();
+        find_unknown();
+        clear_moved(lesson_);
+        started_ = true;
+        lesson_.clear();
+    }
+    return true;
+}
+
+/// What moved while it was learnt was no queue.
+void Presence::clear_moved(const std::vector<Background::Sample> &samples) {
     const std::size_t step = std::max<std::size_t>(1, samples.size() / 12);
     Background::Seen one;
     Background::Seen two;
@@ -138,7 +161,6 @@ void Presence::learn(const std::vector<Background::Sample> &samples) {
             unknown_[r] = 0;
         }
     }
-    started_ = true;
 }
 
 void Presence::known() {

@@ -35,6 +35,10 @@ class Presence {
 
     void learn(const std::vector<Background::Sample> &samples);
 
+    /// In pieces; see Background.
+    void begin(const std::vector<Background::Sample> &samples);
+    bool learn_more(int &pixels);
+
     /// What was learnt is the empty road: nothing is unknown.
     void known();
 
@@ -63,6 +67,7 @@ class Presence {
     };
 
     void find_unknown();
+    void clear_moved(const std::vector<Background::Sample> &samples);
     void clear_unknown(const Background::Seen &seen, double dt_s);
     [[nodiscard]] std::vector<char> rows_passed(const cv::Mat &moving) const;
     void find_covered(const Background::Seen &seen);
@@ -79,7 +84,8 @@ class Presence {
     std::vector<double> vehicle_rows_; ///< [row] one vehicle's length
     std::vector<char> covered_;
     std::vector<char> unknown_;
-    std::vector<double> quiet_s_; ///< [row] since something moved there; negative: nothing ever has
+    std::vector<double> quiet_s_;            ///< [row] since something moved there; negative: nothing ever has
+    std::vector<Background::Sample> lesson_; ///< what is being learnt
     cv::Mat before_;
     double line_at_ = 1.0; ///< where along the zone the lane's line is, 0 to 1
     double count_ = 0.0;

@@ -74,8 +74,9 @@ bool VideoFile::next(Frame &frame) {
     return true;
 }
 
-LiveSource::LiveSource(std::string source)
-    : source_(std::move(source)), start_(std::chrono::steady_clock::now()), thread_([this] { run(); }) {}
+LiveSource::LiveSource(std::string source, cv::Size wanted)
+    : source_(std::move(source)), wanted_(wanted), start_(std::chrono::steady_clock::now()),
+      thread_([this] { run(); }) {}
 
 LiveSource::~LiveSource() {
     stop_ = true;
@@ -91,11 +92,15 @@ bool LiveSource::open(cv::VideoCapture &capture) const {
     if (begins_with(source_, "gst:")) {
         return capture.open(source_.substr(4), cv::CAP_GSTREAMER);
     }
-    if (begins_with(source_, "v4l2:")) {
-        return capture.open("/dev/video" + source_.substr(5), cv::CAP_V4L2);
-    }
-    if (begins_with(source_, "/dev/video")) {
-        return capture.open(source_, cv::CAP_V4L2);
+    if (begins_with(source_, "v4l2:") || begins_with(source_, "/dev/video")) {
+        const std::string device = source_[0] == '/' ? source_ : "/dev/video" + source_.substr(5);
+        if (!capture.open(device, cv::CAP_V4L2)) {
+            return false;
+        }
+        // One that does not know this size takes another, which is refused with the first picture.
+        capture.set(cv::CAP_PROP_FRAME_WIDTH, wanted_.width);
+        capture.set(cv::CAP_PROP_FRAME_HEIGHT, wanted_.height);
+        return capture.isOpened();
     }
     return capture.open(source_, cv::CAP_FFMPEG,
                         {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, patience_ms, cv::CAP_PROP_READ_TIMEOUT_MSEC, patience_ms});

@@ -7,7 +7,8 @@
 /// read by a thread of its own into a place for one frame: whoever is slower than the camera gets the newest frame, and
 /// what was overwritten is counted. A camera that says nothing, or is not there, is opened again after a growing wait;
 /// the one who takes frames never waits for it. Times of live frames are those of their arrival, in seconds since the
-/// start.
+/// start. A V4L2 device, which has a size of its own choice otherwise, is asked for pictures of the size that is
+/// wanted.
 
 #pragma once
 
@@ -76,7 +77,7 @@ class VideoFile {
 
 class LiveSource {
   public:
-    explicit LiveSource(std::string source);
+    LiveSource(std::string source, cv::Size wanted);
     ~LiveSource();
     LiveSource(const LiveSource &) = delete;
     LiveSource &operator=(const LiveSource &) = delete;
@@ -103,6 +104,7 @@ class LiveSource {
     bool open(cv::VideoCapture &capture) const;
 
     std::string source_;
+    cv::Size wanted_;
     std::chrono::steady_clock::time_point start_;
     NewestFrame newest_;
     std::atomic<bool> stop_ = false;

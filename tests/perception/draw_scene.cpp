@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Copyright 2026 The ELMOPP authors
 
-/// Writes a drawn video, its truth and its first picture, for tests of the programs: draw_scene FOLDER ROAD SECONDS.
+/// Writes a drawn video, its truth and its first picture, for tests of the programs: draw_scene FOLDER ROAD SECONDS
+/// [SEED], the seed of the traffic.
 /// Without arguments the names of the roads.
 
 #include "roads.hpp"
@@ -99,15 +100,16 @@ int main(int argc, char **argv) {
         }
         return 0;
     }
-    const double seconds = argc == 4 ? std::atof(argv[3]) : 0.0;
-    if (seconds <= 0) {
-        std::cerr << "draw_scene: right would be FOLDER ROAD SECONDS\n";
+    const double seconds = argc == 4 || argc == 5 ? std::atof(argv[3]) : 0.0;
+    const int seed = argc == 5 ? std::atoi(argv[4]) : static_cast<int>(elmopp::usual_seed);
+    if (seconds <= 0 || seed <= 0) {
+        std::cerr << "draw_scene: right would be FOLDER ROAD SECONDS [SEED]\n";
         return 2;
     }
     const std::string name = argv[2];
     const std::string base = std::string(argv[1]) + "/" + name;
     try {
-        Road road = elmopp::road_named(name, seconds);
+        Road road = elmopp::road_named(name, seconds, static_cast<unsigned>(seed));
         const cv::Size size = road.picture(0).size();
         cv::VideoWriter video(base + ".avi", cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), road.rate, size);
         constexpr double good = 95;

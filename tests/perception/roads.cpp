@@ -23,7 +23,11 @@ struct Traffic {
     double bike_share = 0.0; ///< motorcycles
     double contrast = 105;   ///< paint differs from the road by at most so many grey values
     double glass = 1.0;
-    unsigned seed = 7;
+};
+
+struct Film {
+    double seconds;
+    unsigned seed; ///< of the traffic
 };
 
 SceneCar some_vehicle(const Traffic &traffic, cv::RNG &random) {
@@ -51,12 +55,12 @@ SceneCar some_vehicle(const Traffic &traffic, cv::RNG &random) {
     return car;
 }
 
-void fill_lanes(Road &road, const Traffic &traffic, double seconds) {
-    cv::RNG random(traffic.seed);
+void fill_lanes(Road &road, const Traffic &traffic, const Film &film) {
+    cv::RNG random(film.seed);
     road.flow.speed_m_s = traffic.speed_m_s;
     for (int lane = 0; lane < static_cast<int>(road.directions.size()); ++lane) {
         double t_s = 4.5 + random.uniform(0.0, 1.0);
-        while (t_s < seconds - 3) {
+        while (t_s < film.seconds - 3) {
             SceneFlow::Car one{some_vehicle(traffic, random), t_s};
             one.car.lane = lane;
             one.car.away = road.directions[static_cast<std::size_t>(lane)] == Direction::up ||
@@ -77,10 +81,10 @@ Road usual() {
     return a_road({small_width, small_height}, 3);
 }
 
-using Maker = std::function<Road(double)>;
+using Maker = std::function<Road(const Film &)>;
 
-Road with(Road road, const Traffic &traffic, double seconds) {
-    fill_lanes(road, traffic, seconds);
+Road with(Road road, const Traffic &traffic, const Film &film) {
+    fill_lanes(road, traffic, film);
     return road;
 }
 
@@ -104,27 +108,32 @@ Road at_night(double light, bool away) {
     return road;
 }
 
-Road red_light(Road road, const Traffic &traffic, double seconds) {
+Road red_light(Road road, const Traffic &traffic, const Film &film) {
     road.zone_m = 45;
-    road.flow.stops_s = 0.25 * seconds;
-    road.flow.goes_s = 0.75 * seconds;
-    return with(std::move(road), traffic, seconds);
+    road.flow.stops_s = 0.25 * film.seconds;
+    road.flow.goes_s = 0.75 * film.seconds;
+    return with(std::move(road), traffic, film);
 }
 
 const std::map<std::string, Maker> &makers() {
     static const std::map<std::string, Maker> all{
-        {"plain", [](double s) { return with(usual(), {}, s); }},
-        {"up", [](double s) { return with(a_road({small_width, small_height}, 3, Direction::up), {}, s); }},
+        {"plain", [](const Film &s) { return with(usual(), {}, s); }},
+        {"up", [](const Film &s) { return with(a_road({small_width, small_height}, 3, Direction::up), {}, s); }},
         {"two_ways",
-         [](double s) {
+         [](const Film &s) {
              Road road = a_road({small_width, small_height}, 4);
              road.directions[2] = road.directions[3] = Direction::up;
              return with(road, {}, s);
          }},
-        {"tiny", [](double s) { return with(a_road({160, 120}, 3), {}, s); }},
-        {"large", [](double s) { return with(a_road({1280, 720}, 2), {}, s); }},
+        {"tiny", [](const Film &s) { return with(a_road({160, 120}, 3), {}, s); }},
+        {"large",
+         [](const Film &s) {
+             Road road = a_road({1280, 720}, 2);
+             road.flow.line_m = 20; // nearer ones are below the picture
+             return with(road, {}, s);
+         }},
         {"high",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.scene.camera_m = 14;
              road.scene.horizon_share = -0.35;
@@ -132,14 +141,14 @@ const std::map<std::string, Maker> &makers() {
              return with(road, {}, s);
          }},
         {"low",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.scene.camera_m = 4.2;
              road.scene.horizon_share = 0.25;
              return with(road, {}, s);
          }},
         {"tele",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.scene.focal_widths = 3;
              road.flow.line_m = 60;
@@ -147,61 +156,61 @@ const std::map<std::string, Maker> &makers() {
              return with(road, {}, s);
          }},
         {"wide",
-         [](double s) {
+         [](const Film &s) {
              Road road = a_road({640, 360}, 3);
              road.scene.focal_widths = 0.6;
              road.flow.line_m = 11;
              return with(road, {}, s);
          }},
         {"beside",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.scene.aside_m = -9;
              road.scene.yaw_deg = 25;
              road.flow.line_m = 16;
              return with(road, {}, s);
          }},
-        {"across", [](double s) { return with(across(80, 16), {}, s); }},
-        {"diagonal", [](double s) { return with(across(50, 13), {}, s); }},
+        {"across", [](const Film &s) { return with(across(80, 16), {}, s); }},
+        {"diagonal", [](const Film &s) { return with(across(50, 13), {}, s); }},
         {"five_hz",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.rate = 5;
              return with(road, {}, s);
          }},
         {"ten_hz",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.rate = 10;
              return with(road, {}, s);
          }},
         {"sixty_hz",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.rate = 60;
              return with(road, {}, s);
          }},
         {"grey",
-         [](double s) {
+         [](const Film &s) {
              Traffic traffic;
              traffic.contrast = 12;
              traffic.glass = 0.35;
              return with(usual(), traffic, s);
          }},
         {"fog",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.scene.fog = 0.65;
              return with(road, {}, s);
          }},
         {"compressed",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.quality = 12;
              return with(road, {}, s);
          }},
         {"blocks", // white, on a road in the dark, far apart: for a detector that knows nothing but light
-         [](double s) {
+         [](const Film &s) {
              Road road = a_road({small_width, small_width}, 1);
              road.scene.light = 0.35;
              Traffic traffic;
@@ -214,56 +223,57 @@ const std::map<std::string, Maker> &makers() {
              return road;
          }},
         {"lorries",
-         [](double s) {
+         [](const Film &s) {
              Traffic traffic;
              traffic.long_share = 0.35;
              return with(usual(), traffic, s);
          }},
         {"motorcycles",
-         [](double s) {
+         [](const Film &s) {
              Traffic traffic;
              traffic.bike_share = 0.4;
              return with(usual(), traffic, s);
          }},
         {"dense",
-         [](double s) {
+         [](const Film &s) {
              Traffic traffic;
              traffic.gap_s = 0.7;
              traffic.speed_m_s = 11;
              return with(usual(), traffic, s);
          }},
         {"fast",
-         [](double s) {
+         [](const Film &s) {
              Traffic traffic;
              traffic.speed_m_s = 28;
              return with(usual(), traffic, s);
          }},
         {"slow",
-         [](double s) {
+         [](const Film &s) {
              Traffic traffic;
              traffic.speed_m_s = 2.5;
              traffic.gap_s = 4;
              return with(usual(), traffic, s);
          }},
         {"shadows",
-         [](double s) {
+         [](const Film &s) {
              Road road = usual();
              road.scene.shadows = true;
              road.scene.shadow_m = 2.6;
              return with(road, {}, s);
          }},
-        {"dusk", [](double s) { return with(at_night(0.22, false), {}, s); }},
-        {"night", [](double s) { return with(at_night(0.11, false), {}, s); }},
-        {"night_away", [](double s) { return with(at_night(0.11, true), {}, s); }},
-        {"red", [](double s) { return red_light(usual(), {}, s); }},
+        {"dusk", [](const Film &s) { return with(at_night(0.22, false), {}, s); }},
+        {"night", [](const Film &s) { return with(at_night(0.11, false), {}, s); }},
+        {"night_away", [](const Film &s) { return with(at_night(0.11, true), {}, s); }},
+        {"red", [](const Film &s) { return red_light(usual(), {}, s); }},
         {"red_lorries",
-         [](double s) {
+         [](const Film &s) {
              Traffic traffic;
              traffic.long_share = 0.25;
              return red_light(usual(), traffic, s);
          }},
-        {"red_away", [](double s) { return red_light(a_road({small_width, small_height}, 3, Direction::up), {}, s); }},
-        {"red_night", [](double s) { return red_light(at_night(0.12, false), {}, s); }},
+        {"red_away",
+         [](const Film &s) { return red_light(a_road({small_width, small_height}, 3, Direction::up), {}, s); }},
+        {"red_night", [](const Film &s) { return red_light(at_night(0.12, false), {}, s); }},
     };
     return all;
 }
@@ -321,8 +331,8 @@ std::vector<std::string> road_names() {
     return names;
 }
 
-Road road_named(const std::string &name, double seconds) {
-    return makers().at(name)(seconds);
+Road road_named(const std::string &name, double seconds, unsigned seed) {
+    return makers().at(name)({seconds, seed});
 }
 
 } // namespace elmopp

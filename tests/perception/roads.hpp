@@ -3,7 +3,7 @@
 
 /// Drawn roads that differ in what real ones differ in: the camera's height, lens and angle, the size of the picture,
 /// its rate and compression, the light, the vehicles. Each by name, with traffic and its truth; all of it follows from
-/// the name.
+/// the name and the seed of the traffic.
 
 #pragma once
 
@@ -36,7 +36,9 @@ struct Road {
 
 std::vector<std::string> road_names();
 
-/// Throws std::out_of_range if there is none of that name.
-Road road_named(const std::string &name, double seconds);
+constexpr unsigned usual_seed = 7;
+
+/// Throws std::out_of_range if there is none of that name. `seed`: of the traffic.
+Road road_named(const std::string &name, double seconds, unsigned seed = usual_seed);
 
 } // namespace elmopp

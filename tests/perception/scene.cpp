@@ -17,6 +17,23 @@ constexpr double nearest_m = 5.0; ///< the road of a camera above it begins ther
 constexpr double clip_m = 1.5;    ///< nothing nearer than this is drawn
 constexpr double farthest_m = 150.0;
 
+/// Blurs what is drawn on a black layer, and no more of it; returns where the layer is not black any longer.
+cv::Rect blur_drawn(cv::Mat &layer, double sigma_px) {
+    cv::Mat one;
+    cv::transform(layer, one, cv::Matx13f(1, 1, 1));
+    const cv::Rect drawn = cv::boundingRect(one);
+    const int reach = static_cast<int>(std::ceil(3 * sigma_px)) + 2; // of the kernel
+    const cv::Rect around =
+        cv::Rect(drawn.x - reach, drawn.y - reach, drawn.width + 2 * reach, drawn.height + 2 * reach) &
+        cv::Rect(cv::Point(0, 0), layer.size());
+    if (drawn.empty()) {
+        return {};
+    }
+    cv::Mat part = layer(around);
+    cv::GaussianBlur(part.clone(), part, cv::Size(), sigma_px);
+    return around;
+}
+
 } // namespace
 
 Scene::Scene(cv::Size picture, int lanes, unsigned seed) : size_(picture), lanes_(lanes), random_(seed) {}
@@ -169,12 +186,14 @@ void Scene::draw_light(cv::Mat &picture, const SceneCar &car) const {
           {aside + 1.6, front + reach, 0},
           {aside - 1.6, front + reach, 0}},
          cv::Scalar(60, 75, 80));
-    cv::GaussianBlur(cone, cone, cv::Size(), 0.02 * size_.width);
+    const cv::Rect reached = blur_drawn(cone, 0.02 * size_.width);
     // The road sends back more of the same: its markings stay as bright beside it as they were.
     constexpr double lamp_of = 1.0 / 24;
-    cv::Mat lit;
-    cv::multiply(picture, cone, lit, lamp_of, CV_8U);
-    picture += lit;
+    if (!reached.empty()) {
+        cv::Mat lit;
+        cv::multiply(picture(reached), cone(reached), lit, lamp_of, CV_8U);
+        picture(reached) += lit;
+    }
     const double depth = turned(aside, car.at_m).y;
     cv::Mat lamps = cv::Mat::zeros(size_, CV_8UC3);
     for (const double side : {-0.36, 0.36}) {
@@ -187,8 +206,10 @@ void Scene::draw_light(cv::Mat &picture, const SceneCar &car) const {
         }
     }
     if (glare) {
-        cv::GaussianBlur(lamps, lamps, cv::Size(), 0.012 * size_.width);
-        picture += lamps;
+        const cv::Rect bloom = blur_drawn(lamps, 0.012 * size_.width);
+        if (!bloom.empty()) {
+            picture(bloom) += lamps(bloom);
+        }
     }
 }
 

@@ -4,7 +4,6 @@
 
 import json
 import os
-import statistics
 import subprocess
 from pathlib import Path
 
@@ -13,7 +12,6 @@ WIDTH = 640
 HEIGHT = 360
 RATE = 240  # several times of what so many lanes let through
 SECONDS = 10
-SETTLED_S = 6
 LATENCY_MS = 200
 
 
@@ -37,7 +35,9 @@ def test_a_camera_that_is_too_fast_loses_frames_and_no_time(tmp_path: Path) -> N
     lanes.write_text(json.dumps(many_lanes()))
     caps = f"video/x-raw,width={WIDTH},height={HEIGHT},framerate={RATE}/1"
     source = f"gst:videotestsrc is-live=true pattern=smpte ! {caps} ! videoconvert ! video/x-raw,format=BGR ! appsink"
-    command = [CAMERA, "--source", source, "--lanes", str(lanes), "--jsonl", "-", "--seconds", str(SECONDS)]
+    timing = tmp_path / "timing.json"
+    command = [CAMERA, "--source", source, "--lanes", str(lanes), "--jsonl", "-", "--timing", str(timing)]
+    command += ["--seconds", str(SECONDS)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert done.returncode == 0, done.stderr
     records = [json.loads(line) for line in done.stdout.splitlines()]
@@ -53,11 +53,13 @@ def test_a_camera_that_is_too_fast_loses_frames_and_no_time(tmp_path: Path) -> N
     # What came was looked at or is counted as lost; a machine that others use may not make all of it.
     assert looked_at + dropped <= 1.1 * RATE * seconds
     assert looked_at + dropped > 1.5 * looked_at
-    # The newest frame: what is looked at is never older than two looks, however many came.
+    # The newest frame: what is looked at is never older than two looks, however many came. On a machine with other work
+    # a look takes what it takes; the processor's time for one does not depend on it, the end of the learning included.
     a_look_ms = 1000 * seconds / looked_at
-    # (The look with which the learning ends is a long one, of 24 lanes with zones.)
-    worst_ms = statistics.median(record["latency_ms"] for record in records if record["t_s"] > SETTLED_S)
-    assert worst_ms <= max(LATENCY_MS, 10 * a_look_ms), (worst_ms, a_look_ms)
+    took = json.loads(timing.read_text())
+    assert took["latency_p99_ms"] <= max(LATENCY_MS, 5 * a_look_ms), (took, a_look_ms)
+    assert took["most_ms"] <= LATENCY_MS, took
+    assert max(record["latency_ms"] for record in records) <= took["latency_most_ms"] + 1
 
 
 def test_a_file_through_a_pipeline_is_counted_as_a_camera_would_be(tmp_path: Path) -> None:
