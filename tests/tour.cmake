@@ -5,3 +5,4 @@
 # before this one.
 
 elmopp_add_python_test(NAME test_tour COMMAND -m pytest -q tests/python/test_tour.py LABELS sim web TIMEOUT 900)
+set_tests_properties(test_tour PROPERTIES COST 90) # longer than any other of this preset: it must not be left alone at the end

@@ -3,10 +3,11 @@
 
 /// Part 0, a product: any weight times anything fed is at most 2^15 times the weight's size.
 ///
-/// Part 1, the accumulator. The next product of a row, of which this assumes what part 0 claims, added to any sum that is
-/// at most 2^15 times the sizes of the weights before it: it is at most 2^15 times the sizes up to this one, and nothing
-/// overflows while those are at most ELMOPP_LSTM_Q15_SUM_MAX, which elmopp_lstm_quantize() asserts of every row. From a
-/// sum of 0, product by product, that is every row of any length. (Both in one harness take twelve times as long.)
+/// Part 1, the accumulator. The next product of a row, of which this assumes what part 0 claims, added to any sum that
+/// is at most 2^15 times the sizes of the weights before it: it is at most 2^15 times the sizes up to this one, and
+/// nothing overflows while those are at most ELMOPP_LSTM_Q15_SUM_MAX, which elmopp_lstm_quantize() asserts of every
+/// row. From a sum of 0, product by product, that is every row of any length. (Both in one harness take twelve times as
+/// long.)
 ///
 /// Part 2, the tables. Whatever a row has reached, to the ends of a word: the entry is inside the table, the line does
 /// not overflow, and what comes of it is within what the table promises, so that products of two results stay in
