@@ -7,9 +7,9 @@
 #include "elmopp/keeper.h"
 #include "elmopp/site.h"
 
-#include "bench.h"
 #include "elmopp_weights.h"
 #include "image_writer.h"
+#include "keeper_bench.h"
 #include "segments.h"
 #include "sites.h"
 #include "unity.h"
@@ -18,133 +18,33 @@
 #include <stddef.h>
 #include <string.h>
 
-#define WEIGHTS_BYTES (16U + (uint32_t)sizeof(elmopp_weights_t))
-#define SITE_BYTES (16U + (uint32_t)sizeof(elmopp_junction_t))
-#define SECTOR_SLOTS 3U
-#define WEIGHTS_SLOT (WEIGHTS_BYTES + 28U)
-#define WEIGHTS_SECTOR ((SECTOR_SLOTS * WEIGHTS_SLOT) + 8U)
-#define SITE_SLOT (SITE_BYTES + 20U)
-#define SITE_SECTOR ((SECTOR_SLOTS * SITE_SLOT) + 4U)
-#define SECTORS 2U
-#define ORDERS_A_TICK 64U
+#define WEIGHTS_BYTES KEEPER_BENCH_WEIGHTS_BYTES
+#define SITE_BYTES KEEPER_BENCH_SITE_BYTES
 #define SAVE_MIN_S 100U
 #define SEGMENTS_MAX 5000U
-#define MANY UINT32_MAX
 
-static bench_t bench;
-static elmopp_keeper_t keeper;
-static elmopp_keeper_config_t config;
-static uint8_t weights_medium[SECTORS * WEIGHTS_SECTOR];
-static uint8_t site_medium[SECTORS * SITE_SECTOR];
-static elmopp_junction_t first_site; /* that is compiled in */
+static keeper_bench_t board;
 static uint8_t image[WEIGHTS_BYTES];
-static uint32_t medium_fails; /* so many orders from now on are carried out; then they fail */
-static uint32_t erases;
-static uint32_t begins;
 
 /* The sender. */
 static const uint8_t *bytes;
 static uint32_t length;
 static uint32_t index_to_send;
-static uint32_t may_send;
 static uint32_t lost; /* index of a frame that nobody hears */
-static elmopp_transfer_report_t report;
-static uint32_t reports;
-static uint32_t busy_reports;
-
-/* --- the board --- */
-
-static const elmopp_weights_t *weights_in_force(void) {
-    const elmopp_weights_t *kept = elmopp_keeper_weights(&keeper);
-    const bool fits = elmopp_forecast_fits(bench.forecast.kind, kept);
-    return fits ? kept : &elmopp_weights_lstm;
-}
-
-static elmopp_store_answer_t carry_out(elmopp_transfer_kind_t kind, const elmopp_store_order_t *order) {
-    uint8_t *medium = (kind == ELMOPP_TRANSFER_SITE) ? site_medium : weights_medium;
-    if (medium_fails == 0U) {
-        return ELMOPP_STORE_FAILED;
-    }
-    medium_fails -= (medium_fails == MANY) ? 0U : 1U;
-    if (order->action == ELMOPP_STORE_ERASE) {
-        erases++;
-        (void)memset(&medium[order->at], 0xFF, (kind == ELMOPP_TRANSFER_SITE) ? SITE_SECTOR : WEIGHTS_SECTOR);
-    } else {
-        image_put_word(&medium[order->at], order->word);
-    }
-    return ELMOPP_STORE_DONE;
-}
-
-static void work(uint32_t orders) {
-    elmopp_transfer_kind_t kind;
-    elmopp_store_order_t order;
-    for (uint32_t k = 0U; (k < orders) && elmopp_keeper_next(&keeper, &kind, &order); k++) {
-        elmopp_keeper_answer(&keeper, kind, carry_out(kind, &order));
-    }
-}
-
-static void begin(void) {
-    const elmopp_junction_t *site = elmopp_keeper_site(&keeper);
-    const bool held = bench.controller.reset_held;
-    bench.junction = (site == NULL) ? first_site : *site;
-    bench.forecast = (elmopp_forecast_config_t){.kind = bench.junction.forecast};
-    bench.forecast.weights = weights_in_force();
-    bench_power_cut(&bench);
-    elmopp_controller_hold_reset(&bench.controller, held);
-    begins++;
-}
-
-/* The power comes: what is in the media has stayed. */
-static void power_up(void) {
-    elmopp_keeper_init(&keeper, &config);
-    work(ELMOPP_KEEPER_TIDY_ORDERS_MAX);
-    begin();
-}
-
-static void hear(const elmopp_frame_t *frame) {
-    elmopp_transfer_report_t heard;
-    if (elmopp_transfer_read_report(frame, &heard)) {
-        const bool busy = (heard.state == ELMOPP_TRANSFER_REFUSED) && (heard.reason == ELMOPP_TRANSFER_BUSY);
-        busy_reports += busy ? 1U : 0U;
-        reports += busy ? 0U : 1U;
-        report = busy ? report : heard;
-    } else {
-        TEST_ASSERT_EQUAL_HEX8(0x30U, frame->data[0]);
-        may_send = frame->data[1];
-    }
-}
 
 static void send_what_may_be(void) {
-    for (; (may_send > 0U) && (index_to_send < segments_count(length)); may_send--) {
+    for (; (board.may_send > 0U) && (index_to_send < segments_count(length)); board.may_send--) {
         const elmopp_frame_t frame = segments_frame(bytes, length, index_to_send);
         if (index_to_send != lost) {
-            TEST_ASSERT_TRUE(elmopp_keeper_take(&keeper, &bench.controller, &frame));
+            TEST_ASSERT_TRUE(elmopp_keeper_take(&board.keeper, &board.bench.controller, &frame));
         }
         index_to_send++;
     }
 }
 
 static void tick(void) {
-    elmopp_frame_t out[ELMOPP_KEEPER_FRAMES];
-    uint32_t count = 0U;
     send_what_may_be();
-    bench_tick(&bench);
-    const elmopp_keeper_change_t change = elmopp_keeper_tick(&keeper, &bench.controller, out, &count);
-    TEST_ASSERT_TRUE(count <= ELMOPP_KEEPER_FRAMES);
-    if (change == ELMOPP_KEEPER_BEGIN) {
-        begin();
-        if (keeper.fault != ELMOPP_FAULT_NONE) {
-            elmopp_controller_report(&bench.controller, keeper.fault);
-        }
-    } else if (change == ELMOPP_KEEPER_USE_WEIGHTS) {
-        elmopp_controller_use_weights(&bench.controller, weights_in_force());
-    } else {
-        TEST_ASSERT_EQUAL_INT(ELMOPP_KEEPER_GO_ON, change);
-    }
-    for (uint32_t k = 0U; k < count; k++) {
-        hear(&out[k]);
-    }
-    work(ORDERS_A_TICK);
+    keeper_bench_tick(&board);
 }
 
 static void ticks(uint32_t count) {
@@ -154,17 +54,17 @@ static void ticks(uint32_t count) {
 }
 
 static void until_mode(elmopp_mode_t mode) {
-    for (uint32_t k = 0U; (bench.controller.mode != mode) && (k < 2000U); k++) {
+    for (uint32_t k = 0U; (board.bench.controller.mode != mode) && (k < 2000U); k++) {
         tick();
     }
-    TEST_ASSERT_EQUAL_INT(mode, bench.controller.mode);
+    TEST_ASSERT_EQUAL_INT(mode, board.bench.controller.mode);
 }
 
 static void until_state(elmopp_transfer_state_t state, uint32_t limit) {
-    for (uint32_t k = 0U; (report.state != state) && (k < limit); k++) {
+    for (uint32_t k = 0U; (board.report.state != state) && (k < limit); k++) {
         tick();
     }
-    TEST_ASSERT_EQUAL_INT(state, report.state);
+    TEST_ASSERT_EQUAL_INT(state, board.report.state);
 }
 
 /* --- what is sent --- */
@@ -188,7 +88,7 @@ static void make_site(const elmopp_junction_t *site) {
 }
 
 static void make_other_site(void) {
-    elmopp_junction_t other = first_site;
+    elmopp_junction_t other = board.first_site;
     other.intergreen_ds[0][1] = (uint16_t)(other.intergreen_ds[0][1] + 7U);
     make_site(&other);
 }
@@ -201,11 +101,11 @@ static void offer(uint32_t size) {
     bytes = image;
     length = size;
     index_to_send = 0U;
-    may_send = 1U;
-    lost = MANY;
-    report = (elmopp_transfer_report_t){.state = ELMOPP_TRANSFER_IDLE};
-    reports = 0U;
-    busy_reports = 0U;
+    board.may_send = 1U;
+    lost = KEEPER_BENCH_NEVER;
+    board.report = (elmopp_transfer_report_t){.state = ELMOPP_TRANSFER_IDLE};
+    board.reports = 0U;
+    board.busy_reports = 0U;
 }
 
 static void offer_weights(uint32_t which) {
@@ -215,39 +115,29 @@ static void offer_weights(uint32_t which) {
 
 static void expect(elmopp_transfer_kind_t kind, elmopp_transfer_state_t state, elmopp_transfer_reason_t reason) {
     until_state(state, 400U);
-    TEST_ASSERT_EQUAL_INT(reason, report.reason);
-    TEST_ASSERT_EQUAL_INT(kind, report.kind);
+    TEST_ASSERT_EQUAL_INT(reason, board.report.reason);
+    TEST_ASSERT_EQUAL_INT(kind, board.report.kind);
 }
 
 static void expect_refused(elmopp_transfer_kind_t kind, elmopp_transfer_reason_t reason) {
-    const uint8_t before = bench.controller.bus.refused;
-    const uint16_t id = bench.controller.weights_id;
-    const uint32_t begun = begins;
+    const uint8_t before = board.bench.controller.bus.refused;
+    const uint16_t id = board.bench.controller.weights_id;
+    const uint32_t begun = board.begins;
     expect(kind, ELMOPP_TRANSFER_REFUSED, reason);
-    TEST_ASSERT_TRUE(bench.controller.bus.refused != before);
-    TEST_ASSERT_EQUAL_UINT16(id, bench.controller.weights_id);
-    TEST_ASSERT_EQUAL_UINT32(begun, begins);
+    TEST_ASSERT_TRUE(board.bench.controller.bus.refused != before);
+    TEST_ASSERT_EQUAL_UINT16(id, board.bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_UINT32(begun, board.begins);
 }
 
 static void start(uint32_t groups) {
-    first_site = bench_cross(groups);
-    first_site.forecast = ELMOPP_FORECAST_LSTM;
-    config = (elmopp_keeper_config_t){
-        .weights = {weights_medium, SECTORS, WEIGHTS_SECTOR, SECTOR_SLOTS, WEIGHTS_SLOT, false},
-        .site = {site_medium, SECTORS, SITE_SECTOR, SECTOR_SLOTS, SITE_SLOT, false},
-        .save_min_s = SAVE_MIN_S};
-    (void)memset(weights_medium, 0xFF, sizeof weights_medium);
-    (void)memset(site_medium, 0xFF, sizeof site_medium);
-    medium_fails = MANY;
+    elmopp_junction_t site = bench_cross(groups);
+    site.forecast = ELMOPP_FORECAST_LSTM;
     length = 0U;
     index_to_send = 0U;
-    may_send = 0U;
-    bench_start(&bench, &first_site);
-    power_up();
-    bench_fill(&bench);
+    keeper_bench_start(&board, &site, &elmopp_weights_lstm, SAVE_MIN_S);
     until_mode(ELMOPP_MODE_AUTOMATIC);
-    erases = 0U;
-    begins = 0U;
+    board.erases = 0U;
+    board.begins = 0U;
 }
 
 void setUp(void) {
@@ -255,99 +145,99 @@ void setUp(void) {
 }
 
 void tearDown(void) {
-    bench_expect_good_street(&bench);
+    bench_expect_good_street(&board.bench);
 }
 
 /* --- weights --- */
 
 static void test_new_weights_run_on_trial_are_kept_and_outlive_a_reset(void) {
-    const uint16_t shipped = bench.controller.weights_id;
+    const uint16_t shipped = board.bench.controller.weights_id;
     offer_weights(0U);
-    const uint32_t from = bench.ticks;
+    const uint32_t from = board.bench.ticks;
     expect(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_ON_TRIAL, ELMOPP_TRANSFER_NO_REASON);
-    TEST_ASSERT_UINT32_WITHIN(10U, SEGMENTS_MAX / ELMOPP_TRANSFER_BLOCK, bench.ticks - from); /* a block a tick */
+    TEST_ASSERT_UINT32_WITHIN(10U, SEGMENTS_MAX / ELMOPP_TRANSFER_BLOCK, board.bench.ticks - from); /* a block a tick */
     const uint16_t sent = id_of(image);
     TEST_ASSERT_NOT_EQUAL_UINT16(shipped, sent);
-    TEST_ASSERT_EQUAL_UINT16(sent, bench.controller.weights_id);
-    TEST_ASSERT_EQUAL_UINT16(300U, report.left_s);
+    TEST_ASSERT_EQUAL_UINT16(sent, board.bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_UINT16(300U, board.report.left_s);
     ticks(ELMOPP_KEEPER_TRIAL_DS - 100U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_ON_TRIAL, report.state);
-    TEST_ASSERT_UINT16_WITHIN(1U, 10U, report.left_s);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_ON_TRIAL, board.report.state);
+    TEST_ASSERT_UINT16_WITHIN(1U, 10U, board.report.left_s);
     until_state(ELMOPP_TRANSFER_STORING, 110U);
     until_state(ELMOPP_TRANSFER_KEPT, 200U);
-    TEST_ASSERT_EQUAL_UINT8(1U, report.saved);
-    TEST_ASSERT_EQUAL_UINT16(sent, bench.controller.weights_id);
-    TEST_ASSERT_EQUAL_UINT32(0U, erases);
-    (void)memset(keeper.buffer, 0, sizeof keeper.buffer); /* nobody uses it any more */
-    ticks(700U);                                          /* longer than the watch over the weights takes */
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.controller.fault);
-    power_up();
-    TEST_ASSERT_EQUAL_UINT16(sent, bench.controller.weights_id);
-    TEST_ASSERT_EQUAL_MEMORY(&image[16], elmopp_keeper_weights(&keeper), sizeof(elmopp_weights_t));
+    TEST_ASSERT_EQUAL_UINT8(1U, board.report.saved);
+    TEST_ASSERT_EQUAL_UINT16(sent, board.bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_UINT32(0U, board.erases);
+    (void)memset(board.keeper.buffer, 0, sizeof board.keeper.buffer); /* nobody uses it any more */
+    ticks(700U);                                                      /* longer than the watch over the weights takes */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, board.bench.controller.fault);
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT16(sent, board.bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_MEMORY(&image[16], elmopp_keeper_weights(&board.keeper), sizeof(elmopp_weights_t));
 }
 
 static void test_a_reset_in_the_trial_or_while_they_are_written_brings_the_old_weights_back(void) {
-    const uint16_t shipped = bench.controller.weights_id;
+    const uint16_t shipped = board.bench.controller.weights_id;
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 400U);
     ticks(1000U);
-    power_up();
-    TEST_ASSERT_EQUAL_UINT16(shipped, bench.controller.weights_id);
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT16(shipped, board.bench.controller.weights_id);
     until_mode(ELMOPP_MODE_AUTOMATIC);
     offer_weights(1U);
     until_state(ELMOPP_TRANSFER_STORING, 4000U);
     ticks(20U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_STORING, keeper.told.state);
-    power_up();
-    TEST_ASSERT_EQUAL_UINT16(shipped, bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_STORING, board.keeper.told.state);
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT16(shipped, board.bench.controller.weights_id);
 }
 
 static void test_a_fault_in_the_trial_brings_the_old_weights_back_at_once_and_stays_latched(void) {
-    const uint16_t shipped = bench.controller.weights_id;
+    const uint16_t shipped = board.bench.controller.weights_id;
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 400U);
     ticks(100U);
-    bench.lamp_fault = true;
+    board.bench.lamp_fault = true;
     until_mode(ELMOPP_MODE_FAIL_SAFE);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_WITHDRAWN, report.state);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_FAULT, report.reason);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_LAMP_NODE, report.first);
-    TEST_ASSERT_EQUAL_UINT16(shipped, bench.controller.weights_id);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_LAMP_NODE, bench.controller.fault);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_WITHDRAWN, board.report.state);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_FAULT, board.report.reason);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_LAMP_NODE, board.report.first);
+    TEST_ASSERT_EQUAL_UINT16(shipped, board.bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_LAMP_NODE, board.bench.controller.fault);
     offer_weights(0U);
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_FAULT);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_LAMP_NODE, report.first);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_LAMP_NODE, board.report.first);
 }
 
 static void test_the_trial_counts_only_while_lamps_are_under_the_plan(void) {
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 400U);
-    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_FLASHING, 0U));
+    TEST_ASSERT_TRUE(bench_command(&board.bench, ELMOPP_REQUEST_FLASHING, 0U));
     until_mode(ELMOPP_MODE_FLASHING);
     ticks(20U);
-    const uint16_t left = report.left_s;
+    const uint16_t left = board.report.left_s;
     ticks(ELMOPP_KEEPER_TRIAL_DS);
-    TEST_ASSERT_EQUAL_UINT16(left, report.left_s);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_ON_TRIAL, report.state);
+    TEST_ASSERT_EQUAL_UINT16(left, board.report.left_s);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_ON_TRIAL, board.report.state);
 }
 
 static void test_weights_that_are_distrusted_at_the_end_of_their_trial_are_withdrawn(void) {
-    const uint16_t shipped = bench.controller.weights_id;
+    const uint16_t shipped = board.bench.controller.weights_id;
     elmopp_weights_t bad = elmopp_weights_lstm;
     for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
         bad.lstm.head_bias[k] = 900.0F; /* they say that everybody comes at once */
     }
     make_weights(&bad);
     offer(WEIGHTS_BYTES);
-    for (uint32_t k = 0U; (report.state != ELMOPP_TRANSFER_WITHDRAWN) && (k < 4000U); k++) {
-        bench.arrived_veh[k % 4U] += (k % 7U) / 6U;
+    for (uint32_t k = 0U; (board.report.state != ELMOPP_TRANSFER_WITHDRAWN) && (k < 4000U); k++) {
+        board.bench.arrived_veh[k % 4U] += (k % 7U) / 6U;
         tick();
     }
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_WITHDRAWN, report.state);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_DISTRUSTED, report.reason);
-    TEST_ASSERT_EQUAL_UINT16(shipped, bench.controller.weights_id);
-    power_up();
-    TEST_ASSERT_EQUAL_UINT16(shipped, bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_WITHDRAWN, board.report.state);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_DISTRUSTED, board.report.reason);
+    TEST_ASSERT_EQUAL_UINT16(shipped, board.bench.controller.weights_id);
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT16(shipped, board.bench.controller.weights_id);
 }
 
 /* --- what is refused --- */
@@ -364,9 +254,9 @@ static void test_a_sender_that_stops_in_the_middle_is_waited_for_a_second_and_an
     offer_weights(0U);
     ticks(50U);
     length = 0U; /* he is dead */
-    const uint32_t from = bench.ticks;
+    const uint32_t from = board.bench.ticks;
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_SILENCE);
-    TEST_ASSERT_UINT32_WITHIN(2U, 10U, bench.ticks - from);
+    TEST_ASSERT_UINT32_WITHIN(2U, 10U, board.bench.ticks - from);
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 400U);
 }
@@ -380,8 +270,8 @@ static void test_a_length_that_nothing_has_is_refused_at_once(void) {
     }
     const elmopp_frame_t huge = {SEGMENTS_TRANSFER, 8U, {0x10U, 0U, 0xFFU, 0xFFU, 0xFFU, 0xFFU, 0x45U, 0x4CU}};
     offer(0U);
-    may_send = 0U;
-    TEST_ASSERT_TRUE(elmopp_keeper_take(&keeper, &bench.controller, &huge));
+    board.may_send = 0U;
+    TEST_ASSERT_TRUE(elmopp_keeper_take(&board.keeper, &board.bench.controller, &huge));
     expect_refused(ELMOPP_TRANSFER_NOTHING, ELMOPP_TRANSFER_LENGTH);
 }
 
@@ -410,15 +300,15 @@ static void test_weights_that_are_spoilt_are_refused_by_what_is_wrong_with_them(
     make_weights(&bad);
     offer(WEIGHTS_BYTES);
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_CONTENT);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_WEIGHTS_VALUE, report.first);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_WEIGHTS_VALUE, board.report.first);
     make_weights(&elmopp_weights_nlstm); /* of another shape: three levels */
     offer(WEIGHTS_BYTES);
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_NETWORK);
 }
 
 static void test_a_site_that_forecasts_without_a_network_wants_no_weights(void) {
-    first_site.forecast = ELMOPP_FORECAST_MEAN;
-    power_up();
+    board.first_site.forecast = ELMOPP_FORECAST_MEAN;
+    keeper_bench_power_up(&board);
     until_mode(ELMOPP_MODE_AUTOMATIC);
     offer_weights(0U);
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_NETWORK);
@@ -429,55 +319,55 @@ static void test_a_second_sender_is_told_that_somebody_else_sends_and_the_first_
     ticks(30U);
     const elmopp_frame_t second = segments_frame(image, WEIGHTS_BYTES, 0U);
     for (uint32_t k = 0U; k < 5U; k++) {
-        TEST_ASSERT_TRUE(elmopp_keeper_take(&keeper, &bench.controller, &second));
+        TEST_ASSERT_TRUE(elmopp_keeper_take(&board.keeper, &board.bench.controller, &second));
         tick();
     }
-    TEST_ASSERT_EQUAL_UINT32(5U, busy_reports);
+    TEST_ASSERT_EQUAL_UINT32(5U, board.busy_reports);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 400U);
-    TEST_ASSERT_TRUE(elmopp_keeper_take(&keeper, &bench.controller, &second));
+    TEST_ASSERT_TRUE(elmopp_keeper_take(&board.keeper, &board.bench.controller, &second));
     ticks(2U);
-    TEST_ASSERT_EQUAL_UINT32(6U, busy_reports);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_ON_TRIAL, report.state);
+    TEST_ASSERT_EQUAL_UINT32(6U, board.busy_reports);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_ON_TRIAL, board.report.state);
 }
 
 static void test_segments_of_two_senders_mixed_are_refused(void) {
     offer_weights(0U);
     ticks(30U);
     const elmopp_frame_t other = segments_frame(image, WEIGHTS_BYTES, index_to_send + 5U);
-    TEST_ASSERT_TRUE(elmopp_keeper_take(&keeper, &bench.controller, &other));
+    TEST_ASSERT_TRUE(elmopp_keeper_take(&board.keeper, &board.bench.controller, &other));
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_ORDER);
 }
 
 static void test_a_flood_of_segments_is_counted_and_answered_with_a_report_a_tick_at_most(void) {
     make_other_weights(0U);
     offer(0U);
-    may_send = 0U;
-    const uint8_t before = bench.controller.bus.refused;
+    board.may_send = 0U;
+    const uint8_t before = board.bench.controller.bus.refused;
     for (uint32_t k = 0U; k < 100U; k++) {
         for (uint32_t n = 0U; n < 64U; n++) {
             const elmopp_frame_t frame = segments_frame(image, WEIGHTS_BYTES, 1U + (n % 40U));
-            TEST_ASSERT_TRUE(elmopp_keeper_take(&keeper, &bench.controller, &frame));
+            TEST_ASSERT_TRUE(elmopp_keeper_take(&board.keeper, &board.bench.controller, &frame));
         }
         tick();
     }
-    TEST_ASSERT_EQUAL_UINT32(0U, reports);
-    TEST_ASSERT_EQUAL_UINT8((uint8_t)(before + 6400U), bench.controller.bus.refused);
+    TEST_ASSERT_EQUAL_UINT32(0U, board.reports);
+    TEST_ASSERT_EQUAL_UINT8((uint8_t)(before + 6400U), board.bench.controller.bus.refused);
     for (uint32_t k = 0U; k < 100U; k++) {
         const elmopp_frame_t frame = segments_frame(image, 100U, 0U);
         for (uint32_t n = 0U; n < 64U; n++) {
-            TEST_ASSERT_TRUE(elmopp_keeper_take(&keeper, &bench.controller, &frame));
+            TEST_ASSERT_TRUE(elmopp_keeper_take(&board.keeper, &board.bench.controller, &frame));
         }
         tick();
     }
-    TEST_ASSERT_EQUAL_UINT32(100U, reports);
-    TEST_ASSERT_EQUAL_UINT32(100U, busy_reports); /* for all the others of a tick */
-    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, bench.controller.mode);
+    TEST_ASSERT_EQUAL_UINT32(100U, board.reports);
+    TEST_ASSERT_EQUAL_UINT32(100U, board.busy_reports); /* for all the others of a tick */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_AUTOMATIC, board.bench.controller.mode);
 }
 
 static void test_what_somebody_put_in_by_hand_is_not_replaced_over_the_bus(void) {
-    config.weights_by_hand = true;
-    config.site_by_hand = true;
-    power_up();
+    board.config.weights_by_hand = true;
+    board.config.site_by_hand = true;
+    keeper_bench_power_up(&board);
     until_mode(ELMOPP_MODE_AUTOMATIC);
     offer_weights(0U);
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_BY_HAND);
@@ -487,33 +377,33 @@ static void test_what_somebody_put_in_by_hand_is_not_replaced_over_the_bus(void)
 }
 
 static void test_without_room_nothing_is_received(void) {
-    config.weights.bytes = NULL;
-    config.site.bytes = NULL;
-    power_up();
+    board.config.weights.bytes = NULL;
+    board.config.site.bytes = NULL;
+    keeper_bench_power_up(&board);
     until_mode(ELMOPP_MODE_AUTOMATIC);
     offer_weights(0U);
     expect_refused(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_FULL);
 }
 
 static void test_a_medium_that_fails_brings_the_old_weights_back_and_the_next_try_has_another_slot(void) {
-    const uint16_t shipped = bench.controller.weights_id;
+    const uint16_t shipped = board.bench.controller.weights_id;
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 400U);
-    medium_fails = 700U;
+    board.medium_fails = 700U;
     until_state(ELMOPP_TRANSFER_WITHDRAWN, 4000U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_MEDIUM, report.reason);
-    TEST_ASSERT_EQUAL_UINT16(shipped, bench.controller.weights_id);
-    medium_fails = MANY;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_MEDIUM, board.report.reason);
+    TEST_ASSERT_EQUAL_UINT16(shipped, board.bench.controller.weights_id);
+    board.medium_fails = KEEPER_BENCH_NEVER;
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_KEPT, 4000U);
-    TEST_ASSERT_EQUAL_UINT16(id_of(image), bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_UINT16(id_of(image), board.bench.controller.weights_id);
 }
 
 /* --- sites --- */
 
 static void flash_with_key(void) {
-    elmopp_controller_hold_reset(&bench.controller, true);
-    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_FLASHING, 0U));
+    elmopp_controller_hold_reset(&board.bench.controller, true);
+    TEST_ASSERT_TRUE(bench_command(&board.bench, ELMOPP_REQUEST_FLASHING, 0U));
     until_mode(ELMOPP_MODE_FLASHING);
 }
 
@@ -521,85 +411,85 @@ static void test_a_site_comes_only_with_the_key_held_while_lamps_flash_or_are_da
     make_other_site();
     offer(SITE_BYTES);
     expect_refused(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_NOT_SAFE);
-    elmopp_controller_hold_reset(&bench.controller, true); /* the key alone */
+    elmopp_controller_hold_reset(&board.bench.controller, true); /* the key alone */
     offer(SITE_BYTES);
     expect_refused(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_NOT_SAFE);
     flash_with_key();
-    elmopp_controller_hold_reset(&bench.controller, false); /* flashing alone */
+    elmopp_controller_hold_reset(&board.bench.controller, false); /* flashing alone */
     offer(SITE_BYTES);
     expect_refused(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_NOT_SAFE);
-    elmopp_controller_hold_reset(&bench.controller, true);
+    elmopp_controller_hold_reset(&board.bench.controller, true);
     offer(SITE_BYTES);
     ticks(5U);
-    elmopp_controller_hold_reset(&bench.controller, false); /* let go before it has come */
+    elmopp_controller_hold_reset(&board.bench.controller, false); /* let go before it has come */
     expect_refused(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_NOT_SAFE);
-    elmopp_controller_hold_reset(&bench.controller, true);
-    TEST_ASSERT_TRUE(bench_command(&bench, ELMOPP_REQUEST_DARK, 0U));
+    elmopp_controller_hold_reset(&board.bench.controller, true);
+    TEST_ASSERT_TRUE(bench_command(&board.bench, ELMOPP_REQUEST_DARK, 0U));
     until_mode(ELMOPP_MODE_DARK);
     offer(SITE_BYTES);
     expect(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_ON_TRIAL, ELMOPP_TRANSFER_NO_REASON);
-    TEST_ASSERT_EQUAL_UINT32(1U, begins);
+    TEST_ASSERT_EQUAL_UINT32(1U, board.begins);
 }
 
 static void test_a_new_site_begins_anew_runs_on_trial_is_kept_and_outlives_a_reset(void) {
-    const uint16_t was_ds = first_site.intergreen_ds[0][1];
+    const uint16_t was_ds = board.first_site.intergreen_ds[0][1];
     flash_with_key();
     make_other_site();
     offer(SITE_BYTES);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 100U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_STARTING, bench.controller.mode);
-    TEST_ASSERT_EQUAL_UINT16(was_ds + 7U, bench.controller.junction->intergreen_ds[0][1]);
-    elmopp_controller_hold_reset(&bench.controller, false);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_STARTING, board.bench.controller.mode);
+    TEST_ASSERT_EQUAL_UINT16(was_ds + 7U, board.bench.controller.junction->intergreen_ds[0][1]);
+    elmopp_controller_hold_reset(&board.bench.controller, false);
     until_mode(ELMOPP_MODE_AUTOMATIC);
     until_state(ELMOPP_TRANSFER_KEPT, 4000U);
-    TEST_ASSERT_EQUAL_UINT32(1U, begins);
-    power_up();
-    TEST_ASSERT_EQUAL_UINT16(was_ds + 7U, bench.controller.junction->intergreen_ds[0][1]);
+    TEST_ASSERT_EQUAL_UINT32(1U, board.begins);
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT16(was_ds + 7U, board.bench.controller.junction->intergreen_ds[0][1]);
 }
 
 static void test_a_reset_in_its_trial_brings_the_old_site_back(void) {
-    const uint16_t was_ds = first_site.intergreen_ds[0][1];
+    const uint16_t was_ds = board.first_site.intergreen_ds[0][1];
     flash_with_key();
     make_other_site();
     offer(SITE_BYTES);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 100U);
-    elmopp_controller_hold_reset(&bench.controller, false);
+    elmopp_controller_hold_reset(&board.bench.controller, false);
     until_mode(ELMOPP_MODE_AUTOMATIC);
     ticks(500U);
-    power_up();
-    TEST_ASSERT_EQUAL_UINT16(was_ds, bench.controller.junction->intergreen_ds[0][1]);
-    TEST_ASSERT_NULL(elmopp_keeper_site(&keeper));
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT16(was_ds, board.bench.controller.junction->intergreen_ds[0][1]);
+    TEST_ASSERT_NULL(elmopp_keeper_site(&board.keeper));
 }
 
 static void test_a_fault_in_its_trial_brings_the_old_site_back_with_the_fault_latched(void) {
-    const uint16_t was_ds = first_site.intergreen_ds[0][1];
+    const uint16_t was_ds = board.first_site.intergreen_ds[0][1];
     flash_with_key();
     make_other_site();
     offer(SITE_BYTES);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 100U);
-    elmopp_controller_hold_reset(&bench.controller, false);
+    elmopp_controller_hold_reset(&board.bench.controller, false);
     until_mode(ELMOPP_MODE_AUTOMATIC);
-    bench.broken.red = 0xFU;
+    board.bench.broken.red = 0xFU;
     until_state(ELMOPP_TRANSFER_WITHDRAWN, 200U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_FAULT, report.reason);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_FEEDBACK_DIFFERS, report.first);
-    TEST_ASSERT_EQUAL_UINT16(was_ds, bench.controller.junction->intergreen_ds[0][1]);
-    TEST_ASSERT_EQUAL_UINT32(2U, begins);
-    bench.broken.red = 0U;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_FAULT, board.report.reason);
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_FAULT_FEEDBACK_DIFFERS, board.report.first);
+    TEST_ASSERT_EQUAL_UINT16(was_ds, board.bench.controller.junction->intergreen_ds[0][1]);
+    TEST_ASSERT_EQUAL_UINT32(2U, board.begins);
+    board.bench.broken.red = 0U;
     ticks(300U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FAIL_SAFE, bench.controller.mode);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_FEEDBACK_DIFFERS, bench.controller.fault);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_MODE_FAIL_SAFE, board.bench.controller.mode);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_FEEDBACK_DIFFERS, board.bench.controller.fault);
 }
 
 static void test_a_site_that_breaks_a_rule_or_is_only_for_simulation_is_refused_and_touches_nothing(void) {
     flash_with_key();
-    elmopp_junction_t bad = first_site;
+    elmopp_junction_t bad = board.first_site;
     bad.intergreen_ds[0][1] = 1U;
     make_site(&bad);
     offer(SITE_BYTES);
     expect_refused(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_CONTENT);
-    TEST_ASSERT_EQUAL_UINT8(ELMOPP_SITE_INTERGREEN, report.first);
-    bad = first_site;
+    TEST_ASSERT_EQUAL_UINT8(ELMOPP_SITE_INTERGREEN, board.report.first);
+    bad = board.first_site;
     bad.simulation_only = 1U;
     make_site(&bad);
     offer(SITE_BYTES);
@@ -608,13 +498,13 @@ static void test_a_site_that_breaks_a_rule_or_is_only_for_simulation_is_refused_
     image[100] ^= 1U;
     offer(SITE_BYTES);
     expect_refused(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_CHECKSUM);
-    TEST_ASSERT_NULL(elmopp_keeper_site(&keeper));
+    TEST_ASSERT_NULL(elmopp_keeper_site(&board.keeper));
 }
 
 static void test_while_a_fault_is_latched_no_site_comes_so_that_no_site_clears_a_fault(void) {
-    bench.lamp_fault = true;
+    board.bench.lamp_fault = true;
     until_mode(ELMOPP_MODE_FAIL_SAFE);
-    elmopp_controller_hold_reset(&bench.controller, true);
+    elmopp_controller_hold_reset(&board.bench.controller, true);
     make_other_site();
     offer(SITE_BYTES);
     expect_refused(ELMOPP_TRANSFER_SITE, ELMOPP_TRANSFER_FAULT);
@@ -623,15 +513,15 @@ static void test_while_a_fault_is_latched_no_site_comes_so_that_no_site_clears_a
 static void test_weights_that_no_longer_fit_a_new_site_stay_stored_and_are_not_used(void) {
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_KEPT, 4000U);
-    const uint16_t kept = bench.controller.weights_id;
+    const uint16_t kept = board.bench.controller.weights_id;
     flash_with_key();
-    elmopp_junction_t other = first_site;
+    elmopp_junction_t other = board.first_site;
     other.forecast = ELMOPP_FORECAST_MEAN;
     make_site(&other);
     offer(SITE_BYTES);
     until_state(ELMOPP_TRANSFER_ON_TRIAL, 100U);
-    power_up(); /* the old site again */
-    TEST_ASSERT_EQUAL_UINT16(kept, bench.controller.weights_id);
+    keeper_bench_power_up(&board); /* the old site again */
+    TEST_ASSERT_EQUAL_UINT16(kept, board.bench.controller.weights_id);
 }
 
 /* --- what was learned --- */
@@ -642,18 +532,21 @@ static void test_learned_weights_are_stored_while_they_go_on_changing_and_outliv
     learned.gcn.head[1] += 0.5F;
     make_weights(&learned);
     const uint16_t stored = id_of(image);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_TOO_SOON, elmopp_keeper_save(&keeper, &bench.controller, &learned));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_TOO_SOON,
+                          elmopp_keeper_save(&board.keeper, &board.bench.controller, &learned));
     ticks(10U * SAVE_MIN_S);
-    const uint32_t begun = begins;
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_NO_REASON, elmopp_keeper_save(&keeper, &bench.controller, &learned));
+    const uint32_t begun = board.begins;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_NO_REASON,
+                          elmopp_keeper_save(&board.keeper, &board.bench.controller, &learned));
     learned.gcn.head[1] += 0.5F; /* it learns on */
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_BUSY, elmopp_keeper_save(&keeper, &bench.controller, &learned));
-    report.state = ELMOPP_TRANSFER_IDLE;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_BUSY, elmopp_keeper_save(&board.keeper, &board.bench.controller, &learned));
+    board.report.state = ELMOPP_TRANSFER_IDLE;
     until_state(ELMOPP_TRANSFER_KEPT, 200U);
-    TEST_ASSERT_EQUAL_UINT32(begun, begins);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_TOO_SOON, elmopp_keeper_save(&keeper, &bench.controller, &learned));
-    power_up();
-    TEST_ASSERT_EQUAL_UINT16(stored, bench.controller.weights_id);
+    TEST_ASSERT_EQUAL_UINT32(begun, board.begins);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_TOO_SOON,
+                          elmopp_keeper_save(&board.keeper, &board.bench.controller, &learned));
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT16(stored, board.bench.controller.weights_id);
 }
 
 static void test_learned_weights_that_nobody_could_use_are_not_stored(void) {
@@ -661,15 +554,16 @@ static void test_learned_weights_that_nobody_could_use_are_not_stored(void) {
     ticks(10U * SAVE_MIN_S);
     learned = elmopp_weights_lstm;
     learned.lstm.head_bias[0] = INFINITY;
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_CONTENT, elmopp_keeper_save(&keeper, &bench.controller, &learned));
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_CONTENT,
+                          elmopp_keeper_save(&board.keeper, &board.bench.controller, &learned));
     TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_NETWORK,
-                          elmopp_keeper_save(&keeper, &bench.controller, &elmopp_weights_nlstm));
-    medium_fails = 100U;
+                          elmopp_keeper_save(&board.keeper, &board.bench.controller, &elmopp_weights_nlstm));
+    board.medium_fails = 100U;
     TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_NO_REASON,
-                          elmopp_keeper_save(&keeper, &bench.controller, &elmopp_weights_lstm));
-    report.state = ELMOPP_TRANSFER_IDLE;
+                          elmopp_keeper_save(&board.keeper, &board.bench.controller, &elmopp_weights_lstm));
+    board.report.state = ELMOPP_TRANSFER_IDLE;
     until_state(ELMOPP_TRANSFER_REFUSED, 200U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_MEDIUM, report.reason);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_MEDIUM, board.report.reason);
 }
 
 /* Six slots; then there is no room until a start. No flash is erased while lamps run. */
@@ -679,14 +573,15 @@ static void test_wear_is_bounded_by_the_time_between_saves_and_by_the_slots(void
     for (uint32_t k = 0U; k < 6U; k++) {
         learned.gcn.head[1] += 0.01F;
         ticks(10U * SAVE_MIN_S);
-        TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_NO_REASON, elmopp_keeper_save(&keeper, &bench.controller, &learned));
+        TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_NO_REASON,
+                              elmopp_keeper_save(&board.keeper, &board.bench.controller, &learned));
     }
     ticks(10U * SAVE_MIN_S);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_FULL, elmopp_keeper_save(&keeper, &bench.controller, &learned));
-    TEST_ASSERT_EQUAL_UINT16(6U, keeper.saved);
-    TEST_ASSERT_EQUAL_UINT32(0U, erases);
-    power_up();
-    TEST_ASSERT_EQUAL_UINT32(1U, erases);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_TRANSFER_FULL, elmopp_keeper_save(&board.keeper, &board.bench.controller, &learned));
+    TEST_ASSERT_EQUAL_UINT16(6U, board.keeper.saved);
+    TEST_ASSERT_EQUAL_UINT32(0U, board.erases);
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_EQUAL_UINT32(1U, board.erases);
 }
 
 /* --- what is learnt on the street --- */

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from pathlib import Path
 
 import pytest
@@ -89,3 +91,11 @@ def test_a_room_of_data_alone_has_nothing_to_cover() -> None:
     assert coverage.has_functions("static int f(void) {\n    return 1;\n}\n")
     bare = {file.stem for file in coverage.ROOMS.glob("*.c") if not coverage.has_functions(file.read_text())}
     assert bare == {"lstm_q15_table"}
+
+
+def test_docs_safety_names_every_proof_that_there_is_and_no_other() -> None:
+    root = Path(__file__).resolve().parents[2]
+    proofs = json.loads((root / "tests" / "proof" / "proofs.json").read_text(encoding="utf-8"))
+    section = (root / "docs" / "safety.md").read_text(encoding="utf-8").split("\n## Proofs\n")[1].split("\n## ")[0]
+    named = {name: bool(star) for name, star in re.findall(r"^\| `(\w+)`( \*)?[,:]? ?", section, flags=re.MULTILINE)}
+    assert named == {name: proof.get("nightly", False) for name, proof in proofs.items()}

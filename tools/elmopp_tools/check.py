@@ -180,13 +180,20 @@ def run_tests(preset: str, nightly: bool, allowed: dict[tuple[str, str], str], t
     report("FAILED" if bad else "ok", name, time.monotonic() - started, output if bad else None, note)
 
 
+def configure(preset: str) -> Step:
+    return commands(f"{preset}: configure", ["cmake", "--preset", preset, "-DELMOPP_MERGE_SOURCES=ON"])
+
+
 def build_and_test(nightly: bool, allowed: dict[tuple[str, str], str], tally: Tally) -> None:
+    # A configuration keeps one processor busy: all of them first, side by side.
+    with ThreadPoolExecutor(JOBS) as pool:
+        configured = dict(
+            zip(PRESETS, pool.map(lambda preset: run_step(configure(preset), tally), PRESETS), strict=True)
+        )
     for preset in PRESETS:
-        configure = ["cmake", "--preset", preset, "-DELMOPP_MERGE_SOURCES=ON"]
-        configured = run_step(commands(f"{preset}: configure", configure), tally)
         # Ninja goes on after an error, so that one run shows all of them.
         build = ["cmake", "--build", "--preset", preset, "--", "-k", "0"]
-        built = configured and run_step(commands(f"{preset}: build", build), tally)
+        built = configured[preset] and run_step(commands(f"{preset}: build", build), tally)
         if built:
             run_tests(preset, nightly, allowed, tally)
         if built and preset == "release":
@@ -324,6 +331,7 @@ def lint_steps(nightly: bool) -> list[Step]:
     ruff = tool("ruff")
     python = ["cmake", "tools", "tests", *python_programs()]
     return [
+        commands("coverage", [tool("python"), "tools/coverage"]),
         misra_step(),
         Step("clang-tidy", lambda: check_tidy(nightly)),
         mypy_step(),
@@ -336,6 +344,7 @@ def lint_steps(nightly: bool) -> list[Step]:
 
 
 def lint(nightly: bool, tally: Tally) -> None:
+    """Coverage is among these: while it links and reads what was counted, it leaves a processor to the others."""
     with ThreadPoolExecutor(JOBS) as pool:
         for _ in pool.map(lambda step: run_step(step, tally), lint_steps(nightly)):
             pass
@@ -372,7 +381,6 @@ def main() -> int:
     REPORTS.mkdir(parents=True)
     tally = Tally()
     build_and_test(arguments.all, allowed, tally)
-    run_step(commands("coverage", [tool("python"), "tools/coverage"]), tally)
     lint(arguments.all, tally)
     summarise(tally, time.time() - arguments.since)
     return 1 if tally.failed else 0

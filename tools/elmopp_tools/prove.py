@@ -118,7 +118,8 @@ def run_part(
     if "loops" in proof:
         checks += ["--unwindset", ",".join(f"{loop}:{bound + 1}" for loop, bound in proof["loops"].items())]
     texts = [str(PROOFS / f"prove_{name}.c"), *(str(sources / f"{room}.c") for room in proof["sources"])]
-    includes = ["-I", str(ROOT / "firmware" / "include"), "-I", str(sources)]
+    headers = (ROOT / "firmware" / "include", ROOT / "firmware" / "can", sources)
+    includes = [word for folder in headers for word in ("-I", str(folder))]
     replaced = [word for pair in proof.get("replace", {}).items() for word in ("--replace-calls", ":".join(pair))]
     program, changed = str(folder / "harness.gb"), str(folder / "replaced.gb")
     steps = [
