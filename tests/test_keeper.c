@@ -591,7 +591,7 @@ static elmopp_trainer_memory_t trainer;
 
 /* A learner whose weights are others than the shipped ones. */
 static void teach(void) {
-    elmopp_forecast_t *forecast = &bench.controller.pilot.forecast;
+    elmopp_forecast_t *forecast = &board.bench.controller.pilot.forecast;
     elmopp_learner_init(&learner, &trainer, NULL, forecast->config.weights, ELMOPP_LEARNER_CAREFUL, 4U);
     trainer.weight.head_bias[0] += 0.125F;
     forecast->config.learner = &learner;
@@ -602,7 +602,7 @@ static void praised_ticks(uint32_t count, uint32_t judged, float mean_error) {
     for (uint32_t k = 0U; k < count; k++) {
         learner.in_use = true;
         learner.error = (elmopp_learner_error_t){.shipped = 1.0F, .learnt = 0.5F, .judged = judged};
-        bench.controller.pilot.forecast.account.error = (elmopp_account_error_t){0.5F, 0.5F, mean_error, 500U};
+        board.bench.controller.pilot.forecast.account.error = (elmopp_account_error_t){0.5F, 0.5F, mean_error, 500U};
         tick();
     }
 }
@@ -613,42 +613,42 @@ static void learn_for(uint32_t seconds) {
 
 static void test_what_was_learnt_is_stored_by_itself_in_its_time_and_outlives_a_reset(void) {
     teach();
-    learn_for(SAVE_MIN_S - (keeper.quiet_ds / 10U) - 1U);
-    TEST_ASSERT_EQUAL_UINT16(0U, keeper.lessons);
+    learn_for(SAVE_MIN_S - (board.keeper.quiet_ds / 10U) - 1U);
+    TEST_ASSERT_EQUAL_UINT16(0U, board.keeper.lessons);
     learn_for(3U);
-    TEST_ASSERT_EQUAL_UINT16(1U, keeper.lessons);
+    TEST_ASSERT_EQUAL_UINT16(1U, board.keeper.lessons);
     learn_for(60U);
-    TEST_ASSERT_EQUAL_UINT16(1U, keeper.saved);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, bench.controller.fault);
-    TEST_ASSERT_TRUE(bench.controller.pilot.forecast.config.learner == &learner); /* what runs is not touched */
-    power_up();
-    const elmopp_weights_t *kept = elmopp_keeper_weights(&keeper);
+    TEST_ASSERT_EQUAL_UINT16(1U, board.keeper.saved);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_NONE, board.bench.controller.fault);
+    TEST_ASSERT_TRUE(board.bench.controller.pilot.forecast.config.learner == &learner); /* what runs is not touched */
+    keeper_bench_power_up(&board);
+    const elmopp_weights_t *kept = elmopp_keeper_weights(&board.keeper);
     TEST_ASSERT_FLOAT_WITHIN(0.01F, elmopp_weights_lstm.lstm.head_bias[0] + 0.125F, kept->lstm.head_bias[0]);
     TEST_ASSERT_TRUE(elmopp_weights_are_learnt_from(kept, &elmopp_weights_lstm));
 }
 
 /* A start leaves a sector of slots; the last one is for whoever sends something. */
 static void test_learning_takes_all_slots_but_one_and_the_second_much_later(void) {
-    config.save_min_s = 10U;
-    power_up();
+    board.config.save_min_s = 10U;
+    keeper_bench_power_up(&board);
     until_mode(ELMOPP_MODE_AUTOMATIC);
     teach();
     learn_for(ELMOPP_FORECAST_COLD_S + 10U);
-    TEST_ASSERT_EQUAL_UINT16(1U, keeper.lessons);
+    TEST_ASSERT_EQUAL_UINT16(1U, board.keeper.lessons);
     learn_for((ELMOPP_KEEPER_LATER * 10U) - 20U);
-    TEST_ASSERT_EQUAL_UINT16(1U, keeper.lessons);
+    TEST_ASSERT_EQUAL_UINT16(1U, board.keeper.lessons);
     learn_for(30U);
-    TEST_ASSERT_EQUAL_UINT16(SECTOR_SLOTS - 1U, keeper.lessons);
+    TEST_ASSERT_EQUAL_UINT16(KEEPER_BENCH_SECTOR_SLOTS - 1U, board.keeper.lessons);
     learn_for((ELMOPP_KEEPER_LATER * 10U) + 30U);
-    TEST_ASSERT_EQUAL_UINT16(SECTOR_SLOTS - 1U, keeper.lessons);
-    TEST_ASSERT_EQUAL_UINT32(0U, erases);
+    TEST_ASSERT_EQUAL_UINT16(KEEPER_BENCH_SECTOR_SLOTS - 1U, board.keeper.lessons);
+    TEST_ASSERT_EQUAL_UINT32(0U, board.erases);
     offer_weights(0U);
     expect(ELMOPP_TRANSFER_WEIGHTS, ELMOPP_TRANSFER_ON_TRIAL, ELMOPP_TRANSFER_NO_REASON);
 }
 
 static void expect_not_stored(void) {
-    TEST_ASSERT_EQUAL_UINT16(0U, keeper.lessons);
-    TEST_ASSERT_EQUAL_UINT16(0U, keeper.saved);
+    TEST_ASSERT_EQUAL_UINT16(0U, board.keeper.lessons);
+    TEST_ASSERT_EQUAL_UINT16(0U, board.keeper.saved);
 }
 
 static void test_what_is_not_surely_better_or_not_trusted_is_not_stored(void) {
@@ -657,42 +657,42 @@ static void test_what_is_not_surely_better_or_not_trusted_is_not_stored(void) {
     expect_not_stored();
     praised_ticks(10U, 0U, 0.25F); /* until the next decision */
     praised_ticks(100U, ELMOPP_LEARNER_JUDGED_WINDOW, 0.25F);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_DISTRUSTED, bench.controller.pilot.foresight);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FORESIGHT_DISTRUSTED, board.bench.controller.pilot.foresight);
     expect_not_stored();
     learn_for(2U);
-    TEST_ASSERT_EQUAL_UINT16(1U, keeper.lessons);
+    TEST_ASSERT_EQUAL_UINT16(1U, board.keeper.lessons);
 }
 
 static void test_with_a_fault_or_with_weights_by_hand_or_nowhere_to_keep_them_nothing_learnt_is_stored(void) {
-    config.weights_by_hand = true;
-    power_up();
+    board.config.weights_by_hand = true;
+    keeper_bench_power_up(&board);
     teach();
     learn_for(SAVE_MIN_S + 10U);
     expect_not_stored();
-    config.weights_by_hand = false;
-    config.weights.bytes = NULL;
-    power_up();
+    board.config.weights_by_hand = false;
+    board.config.weights.bytes = NULL;
+    keeper_bench_power_up(&board);
     teach();
     learn_for(SAVE_MIN_S + 10U);
     expect_not_stored();
     start(4U);
     teach();
-    bench.lamp_fault = true;
+    board.bench.lamp_fault = true;
     learn_for(SAVE_MIN_S + 10U);
-    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_LAMP_NODE, bench.controller.fault);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_FAULT_LAMP_NODE, board.bench.controller.fault);
     expect_not_stored();
 }
 
 static void test_what_was_changed_where_it_lay_is_told_and_what_there_was_before_is_in_force(void) {
     offer_weights(0U);
     until_state(ELMOPP_TRANSFER_KEPT, 4000U);
-    power_up();
-    TEST_ASSERT_FALSE(elmopp_keeper_is_damaged(&keeper, ELMOPP_TRANSFER_WEIGHTS));
-    weights_medium[16U + 16U + 5000U] ^= 1U;
-    power_up();
-    TEST_ASSERT_TRUE(elmopp_keeper_is_damaged(&keeper, ELMOPP_TRANSFER_WEIGHTS));
-    TEST_ASSERT_FALSE(elmopp_keeper_is_damaged(&keeper, ELMOPP_TRANSFER_SITE));
-    TEST_ASSERT_NULL(elmopp_keeper_weights(&keeper));
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_FALSE(elmopp_keeper_is_damaged(&board.keeper, ELMOPP_TRANSFER_WEIGHTS));
+    board.weights_medium[16U + 16U + 5000U] ^= 1U;
+    keeper_bench_power_up(&board);
+    TEST_ASSERT_TRUE(elmopp_keeper_is_damaged(&board.keeper, ELMOPP_TRANSFER_WEIGHTS));
+    TEST_ASSERT_FALSE(elmopp_keeper_is_damaged(&board.keeper, ELMOPP_TRANSFER_SITE));
+    TEST_ASSERT_NULL(elmopp_keeper_weights(&board.keeper));
 }
 
 int main(void) {
