@@ -82,8 +82,8 @@ void judge_second(const std::array<const float *, ELMOPP_APPROACH_MAX> &rows, co
 void judge_forecast(const std::string &name, const elmopp_weights_t *weights, const Scenario &scenario,
                     const Demand &demand, std::array<double, horizons_s.size()> &squared) {
     const auto learning = make_learning(name, weights, scenario.junction.approach_count);
-    const elmopp_forecast_config_t config{forecast_kind(name), demand.ar8.data(), demand.mean_veh_per_s.data(), weights,
-                                          learner_of(learning)};
+    const elmopp_forecast_config_t config{
+        forecast_kind(name), demand.ar8.data(), demand.mean_veh_per_s.data(), weights, learner_of(learning), false};
     elmopp_forecast_t forecast;
     elmopp_forecast_init(&forecast, &scenario.junction, &config);
     Arrivals arrivals(scenario, demand);

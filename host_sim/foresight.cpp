@@ -32,8 +32,9 @@ Foresight foresee(const Foreseen &asked) {
     const Demand demand = make_demand(asked.unit, 1.0, training_points, {}, true, asked.seconds);
     const elmopp_chooser_t chooser{write_down, &foresight, asked.steps};
     const auto learning = make_learning(asked.forecast, &asked.weights, scenario.junction.approach_count);
-    const elmopp_forecast_config_t config{forecast_kind(asked.forecast), nullptr, demand.mean_veh_per_s.data(),
-                                          &asked.weights, learner_of(learning)};
+    const elmopp_forecast_config_t config{forecast_kind(asked.forecast), nullptr,
+                                          demand.mean_veh_per_s.data(),  &asked.weights,
+                                          learner_of(learning),          false};
     elmopp_pilot_t pilot;
     elmopp_pilot_init(&pilot, &scenario.junction, &chooser, &config);
     Arrivals arrivals(scenario, demand);

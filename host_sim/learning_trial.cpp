@@ -69,7 +69,7 @@ class Spoken {
     Spoken(const std::string &forecast, const elmopp_weights_t *weights, const Scenario &scenario, const Demand &demand)
         : learning_(make_learning(forecast, weights, approaches)), demand_(demand), arrivals_(scenario, demand) {
         const elmopp_forecast_config_t config{forecast_kind(forecast), nullptr, demand.mean_veh_per_s.data(), weights,
-                                              learner_of(learning_)};
+                                              learner_of(learning_),   false};
         elmopp_forecast_init(&forecast_, &scenario.junction, &config);
         for (std::size_t point = demand.origin - known_s; point < demand.origin; ++point) {
             elmopp_forecast_observe(&forecast_, arrivals_.at(point));

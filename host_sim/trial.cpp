@@ -66,8 +66,12 @@ Metrics metrics_of(const Totals &total, std::size_t seconds) {
 
 elmopp_forecast_config_t forecast_of(const ChooserSpec &spec, const Demand &demand) {
     const elmopp_weights_t *weights = demand.weights != nullptr ? demand.weights : shipped_weights(spec.forecast);
-    return {demand.foresight != nullptr ? forecast_kind("none") : forecast_kind(spec.forecast), demand.ar8.data(),
-            demand.mean_veh_per_s.empty() ? nullptr : demand.mean_veh_per_s.data(), weights, nullptr};
+    return {demand.foresight != nullptr ? forecast_kind("none") : forecast_kind(spec.forecast),
+            demand.ar8.data(),
+            demand.mean_veh_per_s.empty() ? nullptr : demand.mean_veh_per_s.data(),
+            weights,
+            nullptr,
+            false};
 }
 
 Arrivals::Arrivals(const Scenario &scenario, const Demand &demand)

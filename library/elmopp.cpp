@@ -119,8 +119,8 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     self->ar8.fill(shipped_weights("lstm")->ar8);
     const elmopp_weights_t *weights = weights_of(*self, options, spec.forecast);
     self->learning = make_learning(spec.forecast, weights, self->junction.approach_count);
-    const elmopp_forecast_config_t forecast{forecast_kind(spec.forecast), self->ar8.data(), nullptr, weights,
-                                            learner_of(self->learning)};
+    const elmopp_forecast_config_t forecast{
+        forecast_kind(spec.forecast), self->ar8.data(), nullptr, weights, learner_of(self->learning), false};
     elmopp_pilot_init(&self->pilot, &self->junction, &self->plugged->chooser, &forecast);
     elmopp_monitor_init(&self->monitor, &self->junction);
     // A new monitor has seen flashing, after which comes red.

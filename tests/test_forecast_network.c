@@ -118,6 +118,89 @@ static void test_nlstm_absorbs_every_second_and_runs_on_its_own_output(void) {
     expect_like_the_network(&elmopp_weights_nlstm, ELMOPP_FORECAST_NLSTM);
 }
 
+/* --- counts of whole vehicles --- */
+
+static void start_counting(uint8_t kind, const elmopp_weights_t *weights, const float *mean_veh_per_s) {
+    const elmopp_forecast_config_t config = {
+        .kind = kind, .mean_veh_per_s = mean_veh_per_s, .weights = weights, .whole = true};
+    elmopp_forecast_init(&forecast, &junction, &config);
+}
+
+/* By hand: what the network would have said, and a tenth of what the count says more. Whole vehicles would be clamped.
+ */
+static void expect_like_the_observer(const elmopp_weights_t *weights, uint8_t kind) {
+    static const float mean_veh_per_s[4] = {0.5F, 0.1F, 0.25F, 2.0F};
+    elmopp_lstm_f32_state_t state = {.hidden = {0.0F}};
+    start_counting(kind, weights, mean_veh_per_s);
+    for (uint32_t n = 0U; n < 90U; n++) {
+        float arrivals_veh[4];
+        float input[4];
+        elmopp_lstm_f32_output(&weights->lstm, &state, input);
+        const float gain = fmaxf(0.1F, 1.0F / (float)(n + 1U));
+        for (uint32_t i = 0U; i < 4U; i++) {
+            arrivals_veh[i] = (float)random_below(&random_state, 3U);
+            const float said_veh = held_in(input[i], weights->low[i], weights->high[i]) * mean_veh_per_s[i];
+            const float believed_veh = said_veh + (gain * (arrivals_veh[i] - said_veh));
+            input[i] = held_in(believed_veh / mean_veh_per_s[i], weights->low[i], weights->high[i]);
+        }
+        elmopp_forecast_observe(&forecast, arrivals_veh);
+        elmopp_lstm_f32_step(&weights->lstm, &state, input);
+    }
+    look(1U);
+    float said[4];
+    elmopp_lstm_f32_output(&weights->lstm, &state, said);
+    for (uint32_t i = 0U; i < 4U; i++) {
+        const float held = held_in(said[i], weights->low[i], weights->high[i]);
+        TEST_ASSERT_TRUE(held * mean_veh_per_s[i] == rows[i][0]);
+    }
+}
+
+static void test_a_network_that_is_shown_counts_is_corrected_by_a_tenth_of_their_surprise(void) {
+    expect_like_the_observer(&elmopp_weights_lstm, ELMOPP_FORECAST_LSTM);
+    expect_like_the_observer(&elmopp_weights_nlstm, ELMOPP_FORECAST_NLSTM);
+}
+
+/* Counts that come as it has said change nothing, whatever their gain: it goes on along its own rows. */
+static void test_counts_that_come_as_they_were_said_leave_the_rows_as_they_were(void) {
+    static const uint8_t kinds[2] = {ELMOPP_FORECAST_LSTM, ELMOPP_FORECAST_LSTM_Q15};
+    static const float mean_veh_per_s[4] = {0.5F, 1.0F, 0.25F, 2.0F};
+    float said[4][HORIZON];
+    for (uint32_t k = 0U; k < 2U; k++) {
+        start_counting(kinds[k], &elmopp_weights_lstm, mean_veh_per_s);
+        observe_some(80U);
+        look(HORIZON);
+        for (uint32_t i = 0U; i < 4U; i++) {
+            (void)memcpy(said[i], rows[i], sizeof said[i]);
+        }
+        for (uint32_t t = 0U; t < 20U; t++) {
+            const float arrivals_veh[ELMOPP_MOVEMENT_MAX] = {said[0][t], said[1][t], said[2][t], said[3][t]};
+            elmopp_forecast_observe(&forecast, arrivals_veh);
+        }
+        look(40U);
+        for (uint32_t i = 0U; i < 4U; i++) {
+            for (uint32_t t = 0U; t < 40U; t++) {
+                TEST_ASSERT_FLOAT_WITHIN(0.01F * mean_veh_per_s[i], said[i][t + 20U], rows[i][t]);
+            }
+        }
+    }
+}
+
+/* The mean, the account and all kinds without a network see the counts as they are. */
+static void test_only_a_network_is_shown_less_than_a_count(void) {
+    start_counting(ELMOPP_FORECAST_PERSISTENCE, NULL, NULL);
+    for (uint32_t n = 0U; n < 50U; n++) {
+        observe_all((float)(n % 5U));
+    }
+    look(1U);
+    TEST_ASSERT_EQUAL_FLOAT(4.0F, rows[0][0]);
+    start_counting(ELMOPP_FORECAST_LSTM, &elmopp_weights_lstm, NULL);
+    for (uint32_t n = 0U; n < 50U; n++) {
+        observe_all((float)(n % 5U));
+    }
+    look(1U);
+    TEST_ASSERT_FLOAT_WITHIN(1e-5F, 2.0F, rows[0][0]);
+}
+
 /* The same in whole numbers, made of the same weights. */
 static void expect_like_the_whole_network(const elmopp_weights_t *weights, uint8_t kind) {
     static const float mean_veh_per_s[4] = {0.5F, 1.0F, 0.25F, 2.0F};
@@ -423,6 +506,9 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_lstm_absorbs_every_second_and_runs_on_its_own_output);
     RUN_TEST(test_nlstm_absorbs_every_second_and_runs_on_its_own_output);
+    RUN_TEST(test_a_network_that_is_shown_counts_is_corrected_by_a_tenth_of_their_surprise);
+    RUN_TEST(test_counts_that_come_as_they_were_said_leave_the_rows_as_they_were);
+    RUN_TEST(test_only_a_network_is_shown_less_than_a_count);
     RUN_TEST(test_lstm_q15_runs_on_its_own_output_in_whole_numbers);
     RUN_TEST(test_nlstm_q15_runs_on_its_own_output_in_whole_numbers);
     RUN_TEST(test_weights_that_were_learnt_are_used_once_it_is_told);

@@ -135,6 +135,39 @@ static void test_any_number_of_approaches_is_forecast(void) {
     }
 }
 
+/* By hand: what the network would have said, and a twentieth of what the count says more. */
+static void expect_like_the_observer(uint8_t kind) {
+    const elmopp_forecast_config_t config = {
+        .kind = kind, .mean_veh_per_s = mean_veh_per_s, .weights = &elmopp_weights_lstm, .whole = true};
+    elmopp_forecast_init(&forecast, &junction, &config);
+    (void)memset(said, 0, sizeof said);
+    for (uint32_t n = 0U; n < SEEN_S; n++) {
+        float next[ELMOPP_APPROACH_MAX];
+        float counted_veh[ELMOPP_MOVEMENT_MAX];
+        say_by_hand(kind, n, next);
+        for (uint32_t i = 0U; i < junction.approach_count; i++) {
+            counted_veh[i] = (float)random_below(&random_state, 3U);
+            const float said_veh = held(kind, i, next[i]) * mean_veh_per_s[i];
+            const float gain = fmaxf(0.05F, 1.0F / (float)(n + 1U));
+            const float believed_veh = said_veh + (gain * (counted_veh[i] - said_veh));
+            said[i][PAST + n] = held(kind, i, believed_veh / mean_veh_per_s[i]);
+        }
+        elmopp_forecast_observe(&forecast, counted_veh);
+    }
+    look();
+    float next[ELMOPP_APPROACH_MAX];
+    say_by_hand(kind, SEEN_S, next);
+    for (uint32_t i = 0U; i < junction.approach_count; i++) {
+        TEST_ASSERT_TRUE((held(kind, i, next[i]) * mean_veh_per_s[i]) == rows[i][0]);
+    }
+}
+
+static void test_windows_that_are_shown_counts_are_corrected_by_a_twentieth_of_their_surprise(void) {
+    for (uint32_t k = 0U; k < 2U; k++) {
+        expect_like_the_observer(kinds[k]);
+    }
+}
+
 static void test_looking_twice_says_the_same(void) {
     for (uint32_t k = 0U; k < 2U; k++) {
         static float before[ELMOPP_APPROACH_MAX][HORIZON];
@@ -294,6 +327,7 @@ int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_the_networks_see_the_last_seconds_and_run_on_their_own_output);
     RUN_TEST(test_any_number_of_approaches_is_forecast);
+    RUN_TEST(test_windows_that_are_shown_counts_are_corrected_by_a_twentieth_of_their_surprise);
     RUN_TEST(test_looking_twice_says_the_same);
     RUN_TEST(test_the_mean_speaks_until_60_seconds_have_been_seen);
     RUN_TEST(test_weights_that_cannot_be_used_leave_the_mean_and_are_told);

@@ -31,7 +31,10 @@ static void begin(elmopp_learner_course_t course, uint32_t approaches) {
     elmopp_learner_init(&learner, &memory, &inner, &elmopp_weights_lstm, course, approaches);
 }
 
+static float beside; /* what came is so much more than what the networks are fed */
+
 void setUp(void) {
+    beside = 0.0F;
     begin(ELMOPP_LEARNER_CAREFUL, 4U);
 }
 void tearDown(void) {}
@@ -49,6 +52,7 @@ static void second_of_waves(void) {
     for (uint32_t group = 0U; group < learner.groups; group++) {
         for (uint32_t k = 0U; k < learner.inputs[group]; k++) {
             second.input[group][k] = wave((group * INPUTS) + k);
+            second.came[group][k] = second.input[group][k] + beside;
         }
         elmopp_lstm_f32_step(&elmopp_weights_lstm.lstm, &shipped_memory[group], second.input[group]);
     }
@@ -216,6 +220,15 @@ static void test_it_takes_the_memory_that_was_promised(void) {
 }
 
 /* --- when it works, and what outlives it --- */
+
+static void test_errors_are_of_what_came_and_not_of_what_is_fed(void) {
+    seconds_of_waves(LONG_S);
+    const elmopp_learner_error_t before = learner.error;
+    beside = 3.0F;
+    seconds_of_waves(LONG_S);
+    TEST_ASSERT_TRUE(learner.error.shipped > (before.shipped + 1.0F));
+    TEST_ASSERT_TRUE(learner.error.learnt > (before.learnt + 1.0F));
+}
 
 static void test_a_second_that_is_only_seen_is_not_learnt_from(void) {
     seconds_of_waves(WINDOW + 1U);
@@ -385,6 +398,7 @@ int main(void) {
     RUN_TEST(test_two_groups_have_a_stretch_and_a_memory_each);
     RUN_TEST(test_a_stretch_can_be_run_again);
     RUN_TEST(test_it_takes_the_memory_that_was_promised);
+    RUN_TEST(test_errors_are_of_what_came_and_not_of_what_is_fed);
     RUN_TEST(test_a_second_that_is_only_seen_is_not_learnt_from);
     RUN_TEST(test_what_was_learnt_goes_on_where_it_was_and_is_used_from_the_beginning);
     RUN_TEST(test_what_was_learnt_and_is_no_good_falls_back_to_the_shipped_weights);

@@ -92,7 +92,9 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_c
     const elmopp_junction_t *junction = config->junction;
     ELMOPP_ASSERT(elmopp_site_check(junction).fault == ELMOPP_SITE_OK);
     *self = (elmopp_controller_t){.junction = junction, .mode = ELMOPP_MODE_STARTING, .wish = ELMOPP_WISH_RUN};
-    elmopp_pilot_init(&self->pilot, junction, &config->chooser, &config->forecast);
+    elmopp_forecast_config_t forecast = config->forecast;
+    forecast.whole = true; /* frames carry whole vehicles */
+    elmopp_pilot_init(&self->pilot, junction, &config->chooser, &forecast);
     elmopp_monitor_init(&self->monitor, junction);
     elmopp_detector_init(&self->detector, junction);
     init_bus(&self->bus, junction);

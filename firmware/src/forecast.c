@@ -169,11 +169,23 @@ static void see_second(const elmopp_forecast_t *self, uint32_t group, float inpu
     }
 }
 
-static void remember(elmopp_forecast_t *self) {
+/* What came, whether the network was fed all of it or not. */
+static void tell_second(const elmopp_forecast_t *self, const float came_veh[ELMOPP_APPROACH_MAX], uint32_t group,
+                        elmopp_learner_second_t *second) {
+    for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
+        const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
+        const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
+        const bool counted = self->config.whole && (scale_veh > 0.0F);
+        second->came[group][k] = counted ? (came_veh[approach] / scale_veh) : second->input[group][k];
+    }
+}
+
+static void remember(elmopp_forecast_t *self, const float came_veh[ELMOPP_APPROACH_MAX]) {
     elmopp_learner_second_t second;
     (void)memset(&second, 0, sizeof second);
     for (uint32_t group = 0U; group < group_count(self); group++) {
         see_second(self, group, second.input[group]);
+        tell_second(self, came_veh, group, &second);
         if (is_q15(self->config.kind)) {
             elmopp_lstm_q15_step(&self->q15, &self->whole_memory[group], second.input[group]);
         } else {
@@ -198,6 +210,23 @@ bool elmopp_forecast_is_learnt(const elmopp_forecast_t *self) {
     return (learner != NULL) && elmopp_learner_is_in_use(learner);
 }
 
+static bool is_observer(const elmopp_forecast_t *self) {
+    return self->config.whole && self->armed;
+}
+
+/* What is believed to have come in this second; below, behind what a network says of it. */
+static void believe(elmopp_forecast_t *self, const float came_veh[ELMOPP_APPROACH_MAX],
+                    float believed_veh[ELMOPP_APPROACH_MAX]);
+
+static void put_down(elmopp_forecast_t *self, const float believed_veh[ELMOPP_APPROACH_MAX]) {
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        for (uint32_t lag = ELMOPP_FORECAST_PAST_S - 1U; lag > 0U; lag--) {
+            self->last_veh[i][lag] = self->last_veh[i][lag - 1U];
+        }
+        self->last_veh[i][0] = believed_veh[i];
+    }
+}
+
 void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh) {
     self->seen_s += (self->seen_s < UINT32_MAX) ? 1U : 0U;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
@@ -208,15 +237,14 @@ void elmopp_forecast_observe(elmopp_forecast_t *self, const float *arrivals_veh)
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
         elmopp_average(&self->mean_veh[i], came_veh[i], self->seen_s, ELMOPP_FORECAST_MEAN_WINDOW_S);
         elmopp_average(&self->ewma_veh[i], came_veh[i], self->seen_s, ELMOPP_FORECAST_EWMA_WINDOW_S);
-        for (uint32_t lag = ELMOPP_FORECAST_PAST_S - 1U; lag > 0U; lag--) {
-            self->last_veh[i][lag] = self->last_veh[i][lag - 1U];
-        }
-        self->last_veh[i][0] = came_veh[i];
     }
     update_shares(self);
+    float believed_veh[ELMOPP_APPROACH_MAX];
+    believe(self, came_veh, believed_veh);
+    put_down(self, believed_veh);
     elmopp_account_settle(&self->account, came_veh, self->junction->approach_count);
     if (self->armed && is_recurrent(self->config.kind)) {
-        remember(self);
+        remember(self, came_veh);
     }
 }
 
@@ -254,6 +282,11 @@ static void fill_with_regression(elmopp_forecast_t *self, uint32_t approach, uin
     for (uint32_t t = 0U; t < steps; t++) {
         self->row_veh[approach][t] *= scale_veh;
     }
+}
+
+static elmopp_lstm_f32_net_t net_in_use(const elmopp_forecast_t *self) {
+    return elmopp_forecast_is_learnt(self) ? elmopp_trainer_net(&self->config.learner->trainer)
+                                           : elmopp_lstm_f32_net(&self->config.weights->lstm);
 }
 
 static void begin_run(elmopp_forecast_t *self, uint32_t group) {
@@ -337,6 +370,46 @@ static void say_next(const elmopp_forecast_t *self, const float *const past[ELMO
     for (uint32_t group = 0U; group < group_count(self); group++) {
         const uint32_t first = group * ELMOPP_FORECAST_GROUP_SIZE;
         elmopp_ann_f32_next(&weights->ann, &newest[first], &next[first]);
+    }
+}
+
+/* What the network in use says of the second after those that it has seen, in units of the demand scale. */
+static void say_second(elmopp_forecast_t *self, float said[ELMOPP_APPROACH_MAX]) {
+    if (is_recurrent(self->config.kind)) {
+        const elmopp_lstm_f32_net_t net = net_in_use(self);
+        for (uint32_t group = 0U; group < group_count(self); group++) {
+            begin_run(self, group);
+            run_on(self, &net, group, false);
+            (void)memcpy(&said[group * ELMOPP_FORECAST_GROUP_SIZE], self->run.said[group],
+                         sizeof self->run.said[group]);
+        }
+        return;
+    }
+    const float *window[ELMOPP_APPROACH_MAX];
+    open_windows(self, self->run.past);
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        window[i] = self->run.past[i];
+    }
+    say_next(self, window, said);
+}
+
+/* A count tells of one second only, and coarsely; what the network says of it goes by all seconds before. In the first
+ * ones it has seen too little to say anything. */
+static void believe(elmopp_forecast_t *self, const float came_veh[ELMOPP_APPROACH_MAX],
+                    float believed_veh[ELMOPP_APPROACH_MAX]) {
+    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
+        believed_veh[i] = came_veh[i];
+    }
+    if (!is_observer(self)) {
+        return;
+    }
+    const float least = is_recurrent(self->config.kind) ? ELMOPP_FORECAST_GAIN : ELMOPP_FORECAST_WINDOW_GAIN;
+    const float gain = elmopp_greater(least, 1.0F / (float)self->seen_s);
+    float said[ELMOPP_APPROACH_MAX];
+    say_second(self, said);
+    for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
+        const float said_veh = held_for(self, i, said[i]) * scale_of(self, i);
+        believed_veh[i] = said_veh + (gain * (came_veh[i] - said_veh));
     }
 }
 

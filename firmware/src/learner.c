@@ -91,15 +91,15 @@ static bool is_at_most(float value, float limit) {
 }
 
 /* Compares what was said about this second with what came. */
-static void settle_comparison(elmopp_learner_t *self, const elmopp_learner_second_t *came) {
+static void settle_comparison(elmopp_learner_t *self, const elmopp_learner_second_t *second) {
     elmopp_learner_probe_t *due = &self->probe[self->due];
     if (due->said) {
         elmopp_learner_error_t *error = &self->error;
         const uint32_t inputs = self->inputs[due->group];
         error->judged += (error->judged < UINT32_MAX) ? 1U : 0U;
-        elmopp_average(&error->shipped, squared_error_of(due->shipped, came->input[due->group], inputs), error->judged,
+        elmopp_average(&error->shipped, squared_error_of(due->shipped, second->came[due->group], inputs), error->judged,
                        ELMOPP_LEARNER_JUDGED_WINDOW);
-        elmopp_average(&error->learnt, squared_error_of(due->learnt, came->input[due->group], inputs), error->judged,
+        elmopp_average(&error->learnt, squared_error_of(due->learnt, second->came[due->group], inputs), error->judged,
                        ELMOPP_LEARNER_JUDGED_WINDOW);
         if (error->judged >= ELMOPP_LEARNER_JUDGED_MIN) {
             self->in_use = is_at_most(error->learnt, error->shipped);

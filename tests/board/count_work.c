@@ -216,6 +216,7 @@ static void count_learner(void) {
     for (uint32_t t = 0U; t < LEARNER_S; t++) {
         for (uint32_t k = 0U; k < ELMOPP_LSTM_INPUTS; k++) {
             second.input[0][k] = 0.1F * (float)((t * (k + 1U)) % 20U);
+            second.came[0][k] = second.input[0][k];
         }
         elmopp_lstm_f32_step(&elmopp_weights_lstm.lstm, &shipped[0], second.input[0]);
         const bool is_counted = t > ELMOPP_TRAINER_WINDOW;

@@ -880,6 +880,34 @@ def test_a_network_on_traffic_that_it_does_not_know_is_not_listened_to(tmp_path:
     assert summary["mean_delay_s"] == pytest.approx(plain["mean_delay_s"], rel=0.2)
 
 
+def framed_distrusted_s(*arguments: str) -> int:
+    """Seconds of 2,000 in which a four-way junction that counts whole vehicles does not listen to its network."""
+    site = ["--site", str(ROOT / "sites" / "four_way.toml"), "--link", "inproc"]
+    done = succeed("run", *site, "--profile", "saturation", *arguments)
+    return int(json.loads(done.stdout)["fallback_s"]["distrusted"])
+
+
+@pytest.mark.parametrize("network", ["lstm", "nlstm", "lstm-q15", "nlstm-q15"])
+def test_a_network_is_listened_to_where_whole_vehicles_are_counted(network: str) -> None:
+    """Fed with the counts as they are it was distrusted in nine tenths of the seconds."""
+    for vehicles in ("400", "600", "1000"):
+        assert framed_distrusted_s("--chooser", f"cumulative:{network}", "--vehicles", vehicles) < 200
+
+
+def test_a_network_that_knows_nothing_is_distrusted_where_whole_vehicles_are_counted(
+    weights: dict[str, Path], tmp_path: Path
+) -> None:
+    """Noise in place of the shipped weights, of as much swing."""
+    image = bytearray(weights["lstm"].read_bytes())
+    first, count = 16 + 4 * (8 + 11 + 1), 4 + 64 + 64 + 20 * 64  # the head and the outermost level
+    noise = np.random.default_rng(7).normal(0.0, 0.5, count).astype(np.float32)
+    image[first : first + 4 * count] = noise.tobytes()
+    image[12:16] = zlib.crc32(image[16:]).to_bytes(4, "little")
+    (tmp_path / "noise.elmw").write_bytes(image)
+    arguments = ["--vehicles", "600", "--weights", str(tmp_path / "noise.elmw")]
+    assert framed_distrusted_s("--chooser", "cumulative:lstm", *arguments) > 1500
+
+
 # --------------------------------------------------------------------------------------------------------------------
 # experiment: its files
 # --------------------------------------------------------------------------------------------------------------------

@@ -26,6 +26,12 @@
 /// have four inputs: approaches go in groups of four in site order, each group for itself, the same weights; an input
 /// without approach is 0 and what is said about it is ignored. For gcn each approach is a node, whatever their number.
 ///
+/// Whole vehicles are no flow: of 0.3 vehicles/s a camera sees 0, 0, 1, 0. A network that is fed so sees a second of 3
+/// to 10 times the mean between seconds of none, and is worse than the mean. So where arrivals are `whole` a network is
+/// its own observer: what it is fed is what it would have said of this second, corrected by a tenth (a twentieth for
+/// windows) of what the count says more or less, in the first seconds by one over their number. The account compares
+/// with the counts themselves, whose noise is the same in the network's error and in the mean's.
+///
 /// lstm and nlstm may learn on (learner.h): then every second goes to the learner too, and the rows are by the learnt
 /// weights whenever its guard has them in use. Who does not hand a learner in pays nothing for it but a pointer. The
 /// work of learning is put off until elmopp_forecast_learn(): a decision does not wait for it.
@@ -55,6 +61,10 @@
 #define ELMOPP_FORECAST_SHARE_MIN_S 60U ///< shares are equal until so many seconds have been seen
 #define ELMOPP_FORECAST_COLD_S 60U      ///< a network says the mean until so many seconds have been seen
 
+/// Share of a count's surprise that a network is fed, where vehicles are counted whole.
+#define ELMOPP_FORECAST_GAIN 0.1F
+#define ELMOPP_FORECAST_WINDOW_GAIN 0.05F ///< of ann and gcn, which see every second as often as their window is long
+
 /// Seconds that are remembered one by one: the longest window of a network.
 #define ELMOPP_FORECAST_PAST_S ELMOPP_GCN_WINDOW_S
 static_assert(ELMOPP_FORECAST_PAST_S >= ELMOPP_ANN_WINDOW_S, "every window is remembered");
@@ -75,6 +85,7 @@ typedef struct {
     const float *mean_veh_per_s;     ///< [approach] long-run means; null: running means
     const elmopp_weights_t *weights; ///< for the networks; null: none could be loaded
     elmopp_learner_t *learner;       ///< for lstm and nlstm: begun with these weights; null: nothing is learnt
+    bool whole;                      ///< arrivals are counted one by one; false: they are rates, exact to the fraction
 } elmopp_forecast_config_t;
 
 /// Why the rows are what they are.
@@ -102,7 +113,7 @@ typedef struct {
     float ewma_veh[ELMOPP_APPROACH_MAX];
     float movement_mean_veh[ELMOPP_MOVEMENT_MAX];
     float share[ELMOPP_MOVEMENT_MAX];
-    float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second
+    float last_veh[ELMOPP_APPROACH_MAX][ELMOPP_FORECAST_PAST_S]; ///< [0] is the newest second, as it is believed
     elmopp_lstm_q15_weights_t q15;                               ///< for lstm-q15 and nlstm-q15: made of the weights
     elmopp_lstm_f32_state_t memory[ELMOPP_FORECAST_GROUP_MAX];   ///< of a recurrent network ...
     elmopp_lstm_q15_state_t whole_memory[ELMOPP_FORECAST_GROUP_MAX]; ///< ... and of one in whole numbers

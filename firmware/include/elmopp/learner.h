@@ -73,9 +73,11 @@ typedef enum {
     ELMOPP_LEARNER_LITERAL      ///< the paper's: every second one step on the newest, whatever comes of it
 } elmopp_learner_course_t;
 
-/// What each group's network is fed in a second.
+/// A second, in units of the demand scale.
 typedef struct {
-    float input[ELMOPP_LEARNER_GROUPS_MAX][ELMOPP_LSTM_INPUTS];
+    float input[ELMOPP_LEARNER_GROUPS_MAX][ELMOPP_LSTM_INPUTS]; ///< what each group's network is fed
+    float came[ELMOPP_LEARNER_GROUPS_MAX][ELMOPP_LSTM_INPUTS];  ///< what really came, which errors are taken of: the
+                                                               ///< same unless vehicles are counted whole (forecast.h)
 } elmopp_learner_second_t;
 
 /// A stretch of one group's seconds.
