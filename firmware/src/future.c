@@ -17,7 +17,7 @@
 bool elmopp_future_is_sound(const elmopp_future_options_t *options) {
     const bool window = (options->min_s >= 1U) && (options->min_s <= options->max_s);
     const bool share = (options->blocked_share >= 0.0F) && (options->blocked_share <= 1.0F);
-    return window && share && (options->yellow_used_s >= 0.0F);
+    return window && share && (options->yellow_used_s >= 0.0F) && (options->stop_s >= 0.0F);
 }
 
 /* The model moves by whole seconds; a change that ends within one has ended at its end. */
@@ -222,7 +222,7 @@ static float unhindered(const elmopp_future_t *self, uint32_t movement) {
     return (float)self->junction->movement[movement].lanes * ((1.0F - share) / share);
 }
 
-static void show_target(elmopp_future_t *self) {
+static void show_target(elmopp_future_t *self, uint32_t step) {
     const elmopp_stage_t target = self->target;
     const uint32_t yields = self->sight->yields[target];
     for (uint32_t i = 0U; i < self->served_count[target]; i++) {
@@ -233,6 +233,9 @@ static void show_target(elmopp_future_t *self) {
             self->unhindered_veh[j] = begins ? unhindered(self, j) : 0.0F;
         }
         self->startup_s[j] = stays ? 0.0F : ((float)self->junction->movement[j].startup_ds / DS_PER_S);
+        if ((!stays) && (self->sight->options.travel_s[j] > 0U)) {
+            self->stopped_veh += standing(self, step, j);
+        }
     }
     self->flow_veh_per_s = self->sight->flow_veh_per_s[target];
     self->shown = target;
@@ -322,7 +325,7 @@ static void play_second(elmopp_future_t *self, const elmopp_future_action_t *act
         begin_change(self, wish(self, action, step));
     }
     if ((self->target != ELMOPP_STAGE_NONE) && (self->remaining_s == 0U)) {
-        show_target(self);
+        show_target(self, step);
     }
     let_go(self, step);
     if (self->target == ELMOPP_STAGE_NONE) {
@@ -347,6 +350,7 @@ static float cost_of_rest(const elmopp_future_t *self, uint32_t horizon_s) {
 static void start(elmopp_future_t *self) {
     self->flow_veh_per_s = self->present_flow_veh_per_s;
     self->left_sum_veh = 0.0F;
+    self->stopped_veh = 0.0F;
     self->looked = false;
     self->elapsed_s = self->present_s;
     self->changing_s = 0U;
@@ -368,5 +372,5 @@ float elmopp_future_cost(elmopp_future_t *self, const elmopp_future_action_t *ac
         play_second(self, action, k);
         cost += elmopp_greater(self->coming->arrived_sum_veh[k + 1U] - self->left_sum_veh, 0.0F);
     }
-    return cost + cost_of_rest(self, horizon_s);
+    return cost + (self->options.stop_s * self->stopped_veh) + cost_of_rest(self, horizon_s);
 }
