@@ -10,8 +10,8 @@ asked in every modelled second after the hold; rows correct the mean as far as t
 reach nobody goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; and of
 the other stages the heaviest are tried, each rule held against the same rule after keeping, the mean gain less a part
 of what the worst one is behind it. A lane that gives way waits for the queue of those it gives way to, and then for
-gaps between them (gaps_reference); seconds in which one of them was there teach nothing. Who stands in a queue that gets
-green costs a stop where vehicles are seen to drive.
+gaps between them (gaps_reference); seconds in which one of them was there teach nothing. Where vehicles are seen to
+drive, each of a queue that gets green costs a stop.
 """
 
 from __future__ import annotations
