@@ -31,6 +31,7 @@ struct Setting {
     /// [movement] vehicles on the road that the movement leads to; null: nothing is known. Kept up to date by its
     /// owner, must outlive the chooser.
     const float *downstream_veh = nullptr;
+    bool stops_free = false; ///< vehicles of this simulator brake and gain speed without loss: a stop is its wait alone
 };
 
 } // namespace elmopp

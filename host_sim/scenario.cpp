@@ -206,6 +206,7 @@ void Scenario::pave(std::size_t approach, std::optional<double> speed_km_per_h, 
 
 Setting Scenario::setting() const {
     Setting setting{junction, own_site, profile.literal};
+    setting.stops_free = true;
     if (street) {
         for (std::size_t j = 0; j < junction.movement_count; ++j) {
             const Road &road = street->roads[junction.movement[j].approach];

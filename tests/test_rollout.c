@@ -72,7 +72,7 @@ static void test_the_defaults_are_those_that_were_measured(void) {
     TEST_ASSERT_EQUAL_UINT16(60U, measured.future.max_s);
     TEST_ASSERT_EQUAL_UINT16(120U, measured.red_s);
     TEST_ASSERT_EQUAL_UINT16(120U, measured.coming.horizon_s);
-    const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 3U, 10U};
+    const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 2U, 3U, 5U, 10U};
     TEST_ASSERT_EQUAL_UINT16_ARRAY(hold_s, measured.hold_s, measured.hold_count);
     const float ratio[ELMOPP_ROLLOUT_RULE_MAX] = {2.5F, 4.0F, 6.0F};
     TEST_ASSERT_EQUAL_FLOAT_ARRAY(ratio, measured.ratio, measured.rule_count);
@@ -83,6 +83,7 @@ static void test_the_defaults_are_those_that_were_measured(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.coming.row_weight);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.coming.mean_weight);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.future.yellow_used_s);
+    TEST_ASSERT_EQUAL_FLOAT(1.5F, measured.future.stop_s);
 }
 
 static void test_it_asks_for_the_forecast_that_its_horizon_needs(void) {
@@ -166,6 +167,16 @@ static void test_a_score_is_minus_the_sum_of_all_queues(void) {
     TEST_ASSERT_EQUAL_FLOAT(-(7.5F + 20.0F + 4.0F), seen.score[0]);
     TEST_ASSERT_EQUAL_FLOAT(-(27.5F + 16.0F + 2.5F + 7.5625F + 1.0F), seen.score[1]);
     TEST_ASSERT_EQUAL_FLOAT(0.0F, seen.score[2]);
+}
+
+/* The same with a reach: two of the second queue stand when they get green, and have braked. */
+static void test_who_starts_from_a_queue_has_lost_a_stop(void) {
+    options = elmopp_rollout_defaults(8U);
+    look_ten_seconds_ahead();
+    set_queues(3.0F, 2.0F, 0.0F);
+    TEST_ASSERT_EQUAL_UINT8(0U, ask_in(0U, 50U));
+    TEST_ASSERT_EQUAL_FLOAT(-(7.5F + 20.0F + 4.0F), seen.score[0]);
+    TEST_ASSERT_EQUAL_FLOAT(-(27.5F + 16.0F + 2.5F + 7.5625F + 1.0F + (1.5F * 2.0F)), seen.score[1]);
 }
 
 static void test_a_stage_that_nobody_asks_for_is_not_tried(void) {
@@ -601,8 +612,8 @@ static void test_a_hold_that_is_not_played_would_have_cost_the_same(void) {
 
 static void test_options_that_make_no_sense_are_a_bug(void) {
     const elmopp_rollout_options_t good = elmopp_rollout_defaults(8U);
-    elmopp_rollout_options_t bad[16];
-    for (uint32_t i = 0U; i < 16U; i++) {
+    elmopp_rollout_options_t bad[17];
+    for (uint32_t i = 0U; i < 17U; i++) {
         bad[i] = good;
     }
     bad[0].future.min_s = 0U;
@@ -621,7 +632,8 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
     bad[13].caution = -0.1F;
     bad[14].caution = 1.1F;
     bad[15].future.blocked_share = 1.1F;
-    for (uint32_t i = 0U; i < 16U; i++) {
+    bad[16].future.stop_s = -0.1F;
+    for (uint32_t i = 0U; i < 17U; i++) {
         TEST_EXPECT_ASSERT((void)elmopp_rollout_init(&rollout, &bad[i]));
     }
 }
@@ -727,6 +739,7 @@ int main(void) {
     RUN_TEST(test_a_queue_that_empties_soon_is_served_first);
     RUN_TEST(test_the_price_of_a_change_decides);
     RUN_TEST(test_a_score_is_minus_the_sum_of_all_queues);
+    RUN_TEST(test_who_starts_from_a_queue_has_lost_a_stop);
     RUN_TEST(test_a_stage_that_nobody_asks_for_is_not_tried);
     RUN_TEST(test_the_heaviest_others_are_tried_first);
     RUN_TEST(test_a_change_must_pay_whatever_is_done_after_it);

@@ -18,7 +18,7 @@
 bool elmopp_future_is_sound(const elmopp_future_options_t *options) {
     const bool window = (options->min_s >= 1U) && (options->min_s <= options->max_s);
     const bool share = (options->blocked_share >= 0.0F) && (options->blocked_share <= 1.0F);
-    return window && share && (options->yellow_used_s >= 0.0F);
+    return window && share && (options->yellow_used_s >= 0.0F) && (options->stop_s >= 0.0F);
 }
 
 /* The model moves by whole seconds; a change that ends within one has ended at its end. */
@@ -313,6 +313,9 @@ static void show_target(elmopp_future_t *self, uint32_t step) {
             self->unhindered_veh[j] = begins ? unhindered(self, j) : 0.0F;
         }
         self->startup_s[j] = stays ? 0.0F : self->startup_s_of[j];
+        if ((!stays) && (self->sight->options.travel_s[j] > 0U)) {
+            self->stopped_veh += standing(self, step, j);
+        }
     }
     /* A queue that is no longer blocked presses more than the last look has seen. */
     self->looked = self->looked && (self->flow_veh_per_s != self->present_flow_veh_per_s);
@@ -475,6 +478,7 @@ static void start(elmopp_future_t *self) {
         self->present_blocked ? self->present_flow_veh_per_s : self->sight->flow_veh_per_s[self->present];
     self->left_sum_veh = 0.0F;
     self->cost_veh_s = 0.0F;
+    self->stopped_veh = 0.0F;
     self->looked = false;
     self->shown = self->present;
     self->shown_step = 0U;
@@ -497,5 +501,5 @@ float elmopp_future_cost(elmopp_future_t *self, const elmopp_future_action_t *ac
     while (step < horizon_s) {
         step = play(self, action, step);
     }
-    return self->cost_veh_s + cost_of_rest(self, horizon_s);
+    return self->cost_veh_s + (self->options.stop_s * self->stopped_veh) + cost_of_rest(self, horizon_s);
 }

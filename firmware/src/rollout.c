@@ -16,12 +16,12 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                    .weigh_skill = true,
                    .row_weight = 0.5F,
                    .mean_weight = 0.5F},
-        .future = {.min_s = 5U, .max_s = 60U, .blocked_share = 0.5F, .yellow_used_s = 0.5F},
+        .future = {.min_s = 5U, .max_s = 60U, .blocked_share = 0.5F, .yellow_used_s = 0.5F, .stop_s = 1.5F},
         .red_s = 120U,
         .others_max = 4U,
-        .hold_count = 3U,
+        .hold_count = 5U,
         .rule_count = 3U,
-        .hold_s = {1U, 3U, 10U},
+        .hold_s = {1U, 2U, 3U, 5U, 10U},
         .ratio = {2.5F, 4.0F, 6.0F},
         .caution = 0.5F};
 }

@@ -10,7 +10,8 @@ asked in every modelled second after the hold; rows correct the mean as far as t
 reach nobody goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; and of
 the other stages the heaviest are tried, each rule held against the same rule after keeping, the mean gain less a part
 of what the worst one is behind it. A lane that gives way waits for the queue of those it gives way to, and then for
-gaps between them (gaps_reference); seconds in which one of them was there teach nothing.
+gaps between them (gaps_reference); seconds in which one of them was there teach nothing. Where vehicles are seen to
+drive, each of a queue that gets green costs a stop.
 """
 
 from __future__ import annotations
@@ -63,13 +64,14 @@ class Setting:
 
     travel: int = 0
     horizon: int = 120
-    holds: tuple[int, ...] = (1, 3, 10)
+    holds: tuple[int, ...] = (1, 2, 3, 5, 10)
     ratios: tuple[float, ...] = (2.5, 4.0, 6.0)
     others: int = 4
     caution: float = 0.5
     g_min: int = 5
     g_max: int = 60
     yuse: float = 0.5
+    stop: float = 1.5  # lost by who starts from a queue, where one is seen to drive
     r_trig: int = 120
     f_rows: float = 0.5
     f_mean: float = 0.5
@@ -308,6 +310,9 @@ class Rollout:
             if target != NEVER and left <= 0:
                 su = [0.0 if site.serves(g, j) and site.serves(target, j) else site.startup[j] for j in lanes]
                 self.ahead = [self._ahead(g, target, j) for j in lanes]
+                if self.setting.travel:
+                    stopped = sum(queues[j] for j in lanes if site.serves(target, j) and not site.serves(g, j))
+                    cost += self.setting.stop * stopped
                 g, target, e, flow = target, NEVER, 0, self.sat[target]
             for lane in lanes:
                 c = self._in_gaps(g, lane, self._open(g, target, left, flow, lane, x[lane]), k, queues)

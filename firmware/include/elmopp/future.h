@@ -19,8 +19,10 @@
 /// rule decides, that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of queue
 /// times flow when that is more than ratio times the own one's; at max_s leave anyway.
 ///
-/// The cost V is the sum of all queues over the seconds, and x^2 / 2s for each queue x that is left at the horizon:
-/// what it costs at least until it has gone at its flow s.
+/// The cost V is the sum of all queues over the seconds, stop_s for each vehicle of a queue that gets green, and
+/// x^2 / 2s for each queue x that is left at the horizon: what it costs at least until it has gone at its flow s. A
+/// queue at a line knows who waits, not that he has braked before it and has yet to gain speed behind it: stop_s is
+/// that. Where there is no reach nobody is seen to drive, and no stop costs anything.
 ///
 /// It is played from event to event: who goes and how fast is listed and holds until something changes, and the rule is
 /// asked again only when another stage could press enough by then, which is never later than it would answer otherwise.
@@ -41,6 +43,7 @@ typedef struct {
     uint16_t max_s;      ///< ... and every one then, if another one is asked for
     float blocked_share; ///< of its flow, for a movement that is blocked, 0 to 1
     float yellow_used_s; ///< of the amber, still driven; 0 or more
+    float stop_s;        ///< lost by who starts from a queue, beside his wait and the start-up; 0 or more
 } elmopp_future_options_t;
 
 /// A first action and the rule that follows it.
@@ -85,6 +88,7 @@ typedef struct {
     float unhindered_veh[ELMOPP_MOVEMENT_MAX];      ///< may go before the first who gives way
     float left_sum_veh;                             ///< all departures
     float cost_veh_s;                               ///< all queues until now
+    float stopped_veh;                              ///< all who stood in a queue when it got green
     float pressed[ELMOPP_STAGE_MAX];                ///< what no stage was above when the rule last looked ...
     float others_pressed;                           ///< ... nor any other than the one shown ...
     uint32_t look_step;                             ///< ... in this second

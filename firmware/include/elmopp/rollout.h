@@ -42,7 +42,7 @@
 #include "elmopp/future.h"
 #include "elmopp/sight.h"
 
-#define ELMOPP_ROLLOUT_HOLD_MAX 3U
+#define ELMOPP_ROLLOUT_HOLD_MAX 5U
 #define ELMOPP_ROLLOUT_RULE_MAX 3U
 
 /// What can be varied. elmopp_rollout_defaults() says what was measured to be good; no site needs others.
@@ -68,8 +68,9 @@ typedef struct {
     elmopp_future_t future;
 } elmopp_rollout_t;
 
-/// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 3 and 10 s, ratios
-/// 2.5, 4 and 6, caution 0.5, four other stages, green 5 to 60 s, red 120 s, half a second of the amber driven.
+/// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 2, 3, 5 and 10 s,
+/// ratios 2.5, 4 and 6, caution 0.5, four other stages, green 5 to 60 s, red 120 s, half a second of the amber driven,
+/// 1.5 s for a stop.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
