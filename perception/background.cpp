@@ -253,12 +253,13 @@ cv::Mat Background::road_texture() const {
 /// Edges of the dark: lamps, bumpers and windows are sharp somewhere, the rim of a cone of light is nowhere.
 cv::Mat Background::beside_sharp(const cv::Mat &texture, const cv::Mat &change) const {
     constexpr float sharp_limit = 0.07F;
+    constexpr int firm_share = 85; // of 255
     cv::Mat near = high_pass(change, 3) > std::max(sharp_limit, 3 * noise_);
     near &= valid_;
     // Noise has single ones.
     cv::Mat firm;
     cv::boxFilter(near, firm, CV_8U, cv::Size(3, 3));
-    near = firm > 255 / 3;
+    near = firm > firm_share;
     cv::dilate(near, near, cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(odd(0.5), odd(0.5))));
     return texture & near;
 }

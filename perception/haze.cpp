@@ -28,6 +28,16 @@ double share_of(std::vector<float> values, double share) {
     return static_cast<double>(*at);
 }
 
+/// The dark of a picture, in its darkest colour: a light thing of one colour lacks another.
+double dark_of(const cv::Mat &bgr, double scale) {
+    cv::Mat few;
+    cv::resize(bgr, few, cv::Size(), scale, scale, cv::INTER_AREA);
+    const cv::Mat pixels = few.reshape(1, static_cast<int>(few.total()));
+    cv::Mat least_colour;
+    cv::reduce(pixels, least_colour, 1, cv::REDUCE_MIN);
+    return offset + share_of({least_colour.begin<uchar>(), least_colour.end<uchar>()}, darkest);
+}
+
 /// Two signs of haze, each as a share of what is usual; the picture is as clear as the lesser. Edges are weak: the
 /// high-pass of the logarithm, 7 x 7, that all but few pixels stay below. And nothing is dark: between the eye and
 /// everything there is light.
@@ -38,9 +48,8 @@ double clearness_of(const cv::Mat &bgr) {
     cv::resize(grey, grey, cv::Size(), scale, scale, cv::INTER_AREA);
     cv::Mat light;
     grey.convertTo(light, CV_32F, 1.0, offset);
-    const std::vector<float> greys(light.begin<float>(), light.end<float>());
-    const double middle = share_of(greys, 0.5);
-    const double depth = (middle - share_of(greys, darkest)) / middle;
+    const double middle = share_of({light.begin<float>(), light.end<float>()}, 0.5);
+    const double depth = (middle - dark_of(bgr, scale)) / middle;
     cv::log(light, light);
     cv::Mat smooth;
     cv::blur(light, smooth, cv::Size(7, 7));

@@ -4,8 +4,8 @@
 /// How much of the usual contrast the whole picture has: fog, rain on the lens and a weak lens take it from vehicles,
 /// road and everything else alike, so that what tells a vehicle from the road must be less, too.
 ///
-/// Judged about once a second from the fine structure of the whole picture, and averaged: vehicles come and go. Owner:
-/// the counter. Not thread-safe.
+/// Judged about once a second from the fine structure of the whole picture and from how dark its dark is, and averaged:
+/// vehicles come and go. Owner: the counter. Not thread-safe.
 
 #pragma once
 

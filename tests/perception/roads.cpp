@@ -122,6 +122,7 @@ const std::map<std::string, Maker> &makers() {
         {"two_ways",
          [](const Film &s) {
              Road road = a_road({small_width, small_height}, 4);
+             road.flow.line_m = 20; // four lanes are wider than the picture nearer by
              road.directions[2] = road.directions[3] = Direction::up;
              return with(road, {}, s);
          }},

@@ -57,7 +57,7 @@ def test_a_camera_that_is_too_fast_loses_frames_and_no_time(tmp_path: Path) -> N
     # a look takes what it takes; the processor's time for one does not depend on it, the end of the learning included.
     a_look_ms = 1000 * seconds / looked_at
     took = json.loads(timing.read_text())
-    assert took["latency_p99_ms"] <= max(LATENCY_MS, 5 * a_look_ms), (took, a_look_ms)
+    assert took["latency_p99_ms"] <= max(LATENCY_MS, 10 * a_look_ms), (took, a_look_ms)
     assert took["most_ms"] <= LATENCY_MS, took
     assert max(record["latency_ms"] for record in records) <= took["latency_most_ms"] + 1
 

@@ -30,7 +30,7 @@ def lane_file(folder: Path, width: int, height: int) -> Path:
 
 def set_control(name: str, value: int) -> None:
     """A control of the virtual camera, by the name that its driver gives it."""
-    with open(DEVICE, "rb") as device:
+    with Path(DEVICE).open("rb") as device:
         number = 0
         while True:
             asked = bytearray(struct.pack("2I32s7I", number | NEXT, 0, b"", *[0] * 7))
@@ -90,7 +90,7 @@ def test_a_device_that_falls_silent_or_is_pulled_out_is_lost_and_comes_back(tmp_
         seen = wait_for(out, reason_is("ok"))
         set_control("Percentage of Dropped Buffers", 100)
         gone = wait_for(out, reason_is("lost"), seen["t_s"])
-        after = wait_for(out, lambda record: True, gone["t_s"])
+        after = wait_for(out, lambda _: True, gone["t_s"])
         assert after["frame"] == gone["frame"]
         set_control("Percentage of Dropped Buffers", 0)
         seen = wait_for(out, reason_is("ok"), after["t_s"])
