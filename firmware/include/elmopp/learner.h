@@ -77,7 +77,7 @@ typedef enum {
 typedef struct {
     float input[ELMOPP_LEARNER_GROUPS_MAX][ELMOPP_LSTM_INPUTS]; ///< what each group's network is fed
     float came[ELMOPP_LEARNER_GROUPS_MAX][ELMOPP_LSTM_INPUTS];  ///< what really came, which errors are taken of: the
-                                                               ///< same unless vehicles are counted whole (forecast.h)
+                                                                ///< same unless vehicles are counted whole (forecast.h)
 } elmopp_learner_second_t;
 
 /// A stretch of one group's seconds.
