@@ -286,10 +286,11 @@ class Framed final : public Control {
     elmopp_ms_t now_ms_ = 0;
 };
 
-/// A street's rollout counts with the time that the reach takes to drive, as the station sets it; the fluid, in which
-/// nobody drives, tells it none.
+/// A street's rollout counts with the time that the reach takes to drive and with what a stop costs, as the station
+/// sets it, whatever is simulated behind the frames; the fluid, in which nobody drives, tells it of neither.
 Setting street_setting(const Scenario &scenario, const ChooserSpec &spec) {
     Setting setting = scenario.setting();
+    setting.stops_free = false;
     if (spec.name == "rollout") {
         const elmopp_sight_options_t sight = elmopp_sight_of_site(&scenario.junction);
         std::copy(std::begin(sight.travel_s), std::end(sight.travel_s), setting.travel_s.begin());

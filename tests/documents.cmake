@@ -16,7 +16,7 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
 
     elmopp_add_python_test(NAME test_learning
         COMMAND -m pytest -q tests/python/test_learning.py
-        LABELS sim TIMEOUT 300)
+        LABELS sim nightly TIMEOUT 300)
     set_tests_properties(test_learning PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
 
     # Needs ./tools/setup train, which tools/check --all calls.

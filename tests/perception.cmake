@@ -11,14 +11,10 @@ target_include_directories(camera_scene PUBLIC perception)
 target_link_libraries(camera_scene PUBLIC elmopp_perception PRIVATE elmopp_flags)
 set_target_properties(camera_scene PROPERTIES INTERPROCEDURAL_OPTIMIZATION OFF)
 
-# Drawn traffic takes most of a minute: once under -Og, the counter also under the sanitizers. What the optimizer makes of the
-# same code is judged by the program's own tests.
-set(camera_tests test_camera_files)
-if(NOT CMAKE_INTERPROCEDURAL_OPTIMIZATION)
-    list(APPEND camera_tests test_counter)
-    if(depends_on_no_build)
-        list(APPEND camera_tests test_health)
-    endif()
+# Drawn traffic takes most of a minute under -Og and two under the sanitizers, which watch the counter at night.
+set(camera_tests test_camera_files test_counter)
+if((NOT CMAKE_INTERPROCEDURAL_OPTIMIZATION) AND depends_on_no_build)
+    list(APPEND camera_tests test_health)
 endif()
 foreach(name IN LISTS camera_tests)
     elmopp_add_unity_test(NAME ${name}
@@ -28,8 +24,9 @@ foreach(name IN LISTS camera_tests)
         TIMEOUT 600)
     elmopp_without_lto(${name})
 endforeach()
-if(TEST test_counter)
-    set_tests_properties(test_counter PROPERTIES COST 100) # under sanitizers the longest: it must not be left alone at the end
+set_tests_properties(test_counter PROPERTIES COST 100) # among the longest: it must not be left alone at the end
+if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    set_tests_properties(test_counter PROPERTIES LABELS "unit;camera;nightly")
 endif()
 
 add_executable(draw_scene perception/draw_scene.cpp ${PROJECT_SOURCE_DIR}/host_files/core_assert.c $<TARGET_OBJECTS:camera_scene>)
