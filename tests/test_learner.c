@@ -125,13 +125,8 @@ static void test_the_comparison_is_of_the_second_that_was_spoken_of(void) {
     }
 }
 
-/* Learnt weights that say nonsense are seen through, and learning begins anew. */
-static void test_the_guard_returns_to_the_shipped_weights(void) {
-    seconds_of_waves(LONG_S);
-    TEST_ASSERT_TRUE(elmopp_learner_is_in_use(&learner));
-    for (uint32_t k = 0U; k < INPUTS; k++) {
-        memory.weight.head_bias[k] = 3.5F;
-    }
+/* Within a thousand seconds the guard has it begin anew, with the shipped weights. */
+static void expect_to_give_up(void) {
     const uint32_t from = now_s;
     while ((learner.given_up == 0U) && (now_s < (from + 1000U))) {
         second_of_waves();
@@ -141,6 +136,16 @@ static void test_the_guard_returns_to_the_shipped_weights(void) {
     elmopp_lstm_f32_weights_t trained;
     elmopp_trainer_copy(&learner.trainer, &trained);
     TEST_ASSERT_EQUAL_MEMORY(&elmopp_weights_lstm.lstm, &trained, sizeof trained);
+}
+
+/* Learnt weights that say nonsense are seen through, and learning begins anew. */
+static void test_the_guard_returns_to_the_shipped_weights(void) {
+    seconds_of_waves(LONG_S);
+    TEST_ASSERT_TRUE(elmopp_learner_is_in_use(&learner));
+    for (uint32_t k = 0U; k < INPUTS; k++) {
+        memory.weight.head_bias[k] = 3.5F;
+    }
+    expect_to_give_up();
     TEST_ASSERT_EQUAL_MEMORY(&shipped_memory[0], &learner.memory[0], sizeof learner.memory[0]);
     TEST_ASSERT_EQUAL_UINT32(0U, learner.error.judged);
 }
@@ -272,14 +277,7 @@ static void test_what_was_learnt_and_is_no_good_falls_back_to_the_shipped_weight
         bad.head_bias[k] = 3.5F;
     }
     elmopp_learner_resume(&learner, &bad);
-    while ((learner.given_up == 0U) && (now_s < 1000U)) {
-        second_of_waves();
-    }
-    TEST_ASSERT_EQUAL_UINT32(1U, learner.given_up);
-    TEST_ASSERT_FALSE(elmopp_learner_is_in_use(&learner));
-    elmopp_lstm_f32_weights_t trained;
-    elmopp_trainer_copy(&learner.trainer, &trained);
-    TEST_ASSERT_EQUAL_MEMORY(&elmopp_weights_lstm.lstm, &trained, sizeof trained);
+    expect_to_give_up();
 }
 
 static void test_it_is_worth_keeping_when_it_is_surely_better_and_in_use(void) {

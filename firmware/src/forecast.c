@@ -156,27 +156,19 @@ static elmopp_learner_t *learner_of(const elmopp_forecast_t *self) {
     return (self->armed && learns) ? self->config.learner : NULL;
 }
 
-/* What a group's network sees of this second. Inputs without an approach, or without any demand, are 0. */
-static void see_second(const elmopp_forecast_t *self, uint32_t group, float input[ELMOPP_FORECAST_GROUP_SIZE]) {
+/* What a group's network is fed of this second, and what came of it: of whole vehicles another number. Inputs without
+   an approach, or without any demand, stay 0. */
+static void see_second(const elmopp_forecast_t *self, const float came_veh[ELMOPP_APPROACH_MAX], uint32_t group,
+                       elmopp_learner_second_t *second) {
     const elmopp_weights_t *weights = self->config.weights;
     for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
         const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
         const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
-        input[k] = 0.0F;
         if (scale_veh > 0.0F) {
-            input[k] = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
+            const float fed = elmopp_within(self->last_veh[approach][0] / scale_veh, weights->low[k], weights->high[k]);
+            second->input[group][k] = fed;
+            second->came[group][k] = self->config.whole ? (came_veh[approach] / scale_veh) : fed;
         }
-    }
-}
-
-/* What came, whether the network was fed all of it or not. */
-static void tell_second(const elmopp_forecast_t *self, const float came_veh[ELMOPP_APPROACH_MAX], uint32_t group,
-                        elmopp_learner_second_t *second) {
-    for (uint32_t k = 0U; k < ELMOPP_FORECAST_GROUP_SIZE; k++) {
-        const uint32_t approach = (group * ELMOPP_FORECAST_GROUP_SIZE) + k;
-        const float scale_veh = (approach < self->junction->approach_count) ? scale_of(self, approach) : 0.0F;
-        const bool counted = self->config.whole && (scale_veh > 0.0F);
-        second->came[group][k] = counted ? (came_veh[approach] / scale_veh) : second->input[group][k];
     }
 }
 
@@ -184,8 +176,7 @@ static void remember(elmopp_forecast_t *self, const float came_veh[ELMOPP_APPROA
     elmopp_learner_second_t second;
     (void)memset(&second, 0, sizeof second);
     for (uint32_t group = 0U; group < group_count(self); group++) {
-        see_second(self, group, second.input[group]);
-        tell_second(self, came_veh, group, &second);
+        see_second(self, came_veh, group, &second);
         if (is_q15(self->config.kind)) {
             elmopp_lstm_q15_step(&self->q15, &self->whole_memory[group], second.input[group]);
         } else {

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 
-"""Site images for the emulated board, made by tools/site from sites/ with another chooser and a quick start-up."""
+"""Images for the emulated board: sites made by tools/site from sites/ with another chooser and a quick start-up, and
+weights like the shipped ones.
+"""
 
 import re
+import struct
 import subprocess
 import sys
+import zlib
+from collections.abc import Callable
 from pathlib import Path
 
 from emulator import ROOT
@@ -32,6 +37,18 @@ def site_image(folder: Path, chooser: str, name: str = "four_way") -> Path:
     toml.write_text(text, encoding="utf-8")
     tool("site", str(toml), "--image", str(folder / "site.bin"))
     return folder / "site.bin"
+
+
+def changed_weights(folder: Path, at: int, change: Callable[[float], float]) -> Path:
+    """The shipped weights with another number at a place of the image, as a whole image."""
+    image = folder / "weights.bin"
+    tool("weights", "weights/forecast.safetensors", "--image-lstm", str(image))
+    data = bytearray(image.read_bytes())
+    place = at % len(data)
+    struct.pack_into("<f", data, place, change(struct.unpack_from("<f", data, place)[0]))
+    struct.pack_into("<I", data, 12, zlib.crc32(data[16:]))
+    image.write_bytes(data)
+    return image
 
 
 def with_flipped_bit(image: Path, at: int) -> Path:

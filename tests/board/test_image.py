@@ -20,7 +20,7 @@ from pathlib import Path
 import pytest
 from bus_frames import COMMAND, LAMP_COMMAND, TRANSFER, TRANSFER_ACK, segments
 from emulator import ANSWER_S, IMAGE, ROOT, Bus, Emulator
-from images import site_image, tool, with_flipped_bit
+from images import changed_weights, site_image, tool, with_flipped_bit
 
 STEADY = "fixed_time"
 FLASHING, GREEN = {5, 6}, 3
@@ -36,14 +36,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="session")
 def weights(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Weights that are good and not those compiled in."""
-    image = tmp_path_factory.mktemp("weights") / "weights.bin"
-    tool("weights", "weights/forecast.safetensors", "--image-lstm", str(image))
-    data = bytearray(image.read_bytes())
-    last = struct.unpack_from("<f", data, len(data) - 4)[0]
-    struct.pack_into("<f", data, len(data) - 4, last / 2 + 0.125)
-    struct.pack_into("<I", data, 12, zlib.crc32(data[16:]))
-    image.write_bytes(data)
-    return image
+    return changed_weights(tmp_path_factory.mktemp("weights"), -4, lambda last: last / 2 + 0.125)
 
 
 # --- what is built ---

@@ -8,13 +8,12 @@ What is kept in the board's memory is made here by hand, after firmware/include/
 """
 
 import struct
-import zlib
 from pathlib import Path
 
 import pytest
 from bus_frames import COUNTS, TRANSFER_ACK, Frame, bits
 from emulator import Bus, Emulator
-from images import site_image, tool
+from images import changed_weights, site_image
 
 FORECAST = 0x190
 LSTM, LEARNT, KEPT = 5, 11, 4
@@ -34,14 +33,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def learnt(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """Weights as a board could have learnt them: the shipped ones, with another bias of the head."""
-    image = tmp_path_factory.mktemp("weights") / "weights.bin"
-    tool("weights", "weights/forecast.safetensors", "--image-lstm", str(image))
-    data = bytearray(image.read_bytes())
-    levels, bias = struct.unpack_from("<If", data, LSTM_AT)
-    assert levels == 1
-    struct.pack_into("<f", data, LSTM_AT + 4, bias + 0.0625)
-    struct.pack_into("<I", data, 12, zlib.crc32(data[16:]))
-    return bytes(data)
+    image = changed_weights(tmp_path_factory.mktemp("weights"), LSTM_AT + 4, lambda bias: bias + 0.0625)
+    assert struct.unpack_from("<I", image.read_bytes(), LSTM_AT) == (1,)  # levels: the bias is behind them
+    return image.read_bytes()
 
 
 def kept(folder: Path, image: bytes, changed: int | None = None) -> Path:
