@@ -101,8 +101,8 @@ def test_a_frame_that_is_cut_in_the_middle_costs_itself_alone(site: Path) -> Non
 def stamps_while(board: Emulator, flood: bytes, seconds: int) -> list[int]:
     """Milliseconds of the board's own clock at which LampCommands came while it was flooded, channel open, own time.
 
-    The flood begins after the first: the emulator fills the whole receive ring in no time, which no wire can, and in the
-    tick of a decision that would be 8 ms of interrupts.
+    The flood begins after the first: the emulator fills the receive ring in no time, which no wire can, and in the tick
+    of a decision that would be 8 ms of interrupts.
     """
     line = board.connect(board.bus)
     line.setblocking(False)
