@@ -6,34 +6,31 @@
 /// `stack` it says instead how many bytes of stack elmopp_controller_tick() has used at most, by what it has
 /// overwritten.
 ///
-///   nothing            two marks, one after the other
-///   thousand           a thousand instructions of one cycle
-///   lstm_f32_step      a step of the plain LSTM, over weights, inputs and states from zero to 1e30 and subnormal ones
-///   nlstm3_f32_step    the same of three nested levels
-///   lstm_q15_step, nlstm3_q15_step    the same in whole numbers; weights of any that a row may have
-///   train_w30          a sample of 30 steps, 10 of them fed, and an update (elmopp/trainer.h), one level, weights,
-///   inputs and
-///                      states as above; nlstm3_train_w30 the same of three
-///   learner_see, learner_work    a second of elmopp_learner_see() and elmopp_learner_work() on traffic that the
-///                      network does not know, one group: whatever its turn is
-///   keeper_save        elmopp_keeper_tick() in which what was learnt begins to be stored, in a medium as the
-///   STM32F405's keeper_store       64 words of it, as a board carries them out in a tick; the last ones are followed
-///   by a look at all rollout60_f32      elmopp_forecast_look() over 60 s, kind lstm, one group of four approaches
-///   rollout60_q15      the same, kind lstm-q15
-///   quantize, quantize3    elmopp_lstm_quantize() of one level and of three
-///   tick_worst.C[:F]   elmopp_pilot_step() and a lamp tick, chooser C with forecast F at its own horizon (where
-///   nothing
-///                      is said, lstm for cumulative and rollout; the others look at none), eight stages, twelve
-///                      movements (the paper's junction with a constant saturation flow), somebody everywhere;
-///                      lstm-learn: lstm and a learner, which works in another tick
-///   tick_worst_rest.rollout[:F]    elmopp_pilot_look_on() and the next lamp tick: the rest of the minute, where C
-///   looks less
-///                      far; tick_two_groups_rest.rollout likewise
-///   tick_two_groups.C  the same at site five_way: two groups of approaches, eleven stages, eleven movements
-///   tick.lamp          elmopp_controller_tick() without a decision: site four_way, frames of every camera and node
-///   tick.rest          ... the one after a decision
-///   tick.decision      ... with one: chooser rollout, forecast lstm, 17 stages
-///   tick.lamp:learn, tick.decision:learn    the same of a site that learns on
+/// - nothing: two marks, one after the other.
+/// - thousand: a thousand instructions of one cycle.
+/// - lstm_f32_step: a step of the plain LSTM, over weights, inputs and states from zero to 1e30 and subnormal ones.
+/// - nlstm3_f32_step: the same of three nested levels.
+/// - lstm_q15_step, nlstm3_q15_step: the same in whole numbers, weights of any that a row may have.
+/// - train_w30: a sample of 30 steps, 10 of them fed, and an update (elmopp/trainer.h), one level, weights, inputs and
+///   states as above; nlstm3_train_w30: the same of three.
+/// - learner_see, learner_work: a second of elmopp_learner_see() and elmopp_learner_work() on traffic that the network
+///   does not know, one group: whatever its turn is.
+/// - keeper_save: elmopp_keeper_tick() in which what was learnt begins to be stored, in a medium as the STM32F405's.
+/// - keeper_store: 64 words of it, as a board carries them out in a tick; the last ones are followed by a look at all.
+/// - rollout60_f32, rollout60_q15: elmopp_forecast_look() over 60 s, kinds lstm and lstm-q15, one group of four
+///   approaches.
+/// - quantize, quantize3: elmopp_lstm_quantize() of one level and of three.
+/// - tick_worst.C[:F]: elmopp_pilot_step() and a lamp tick, chooser C with forecast F at its own horizon (where nothing
+///   is said, lstm for cumulative and rollout; the others look at none), eight stages, twelve movements (the paper's
+///   junction with a constant saturation flow), somebody everywhere; lstm-learn: lstm and a learner, which works in
+///   another tick.
+/// - tick_worst_rest.rollout[:F]: elmopp_pilot_look_on() and the next lamp tick: the rest of the minute, where C looks
+///   less far.
+/// - tick_two_groups.C[:F], tick_two_groups_rest.C[:F]: both at site five_way: two groups of approaches, eleven stages,
+///   eleven movements.
+/// - tick.lamp: elmopp_controller_tick() without a decision: site four_way, frames of every camera and node.
+/// - tick.rest: the one after a decision; tick.decision: the one with it: chooser rollout, forecast lstm, 17 stages.
+/// - tick.lamp:learn, tick.rest:learn, tick.decision:learn: the same of a site that learns on.
 
 #include "bench.h"
 #include "count_marks.h"
@@ -538,6 +535,12 @@ int main(int argc, char **argv) {
     count_ticks("tick_worst.rollout:gcn", make_rollout, ELMOPP_FORECAST_GCN, &elmopp_site_paper);
     count_ticks("tick_two_groups.cumulative", make_cumulative, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
     count_ticks("tick_two_groups.rollout", make_rollout, ELMOPP_FORECAST_LSTM, &elmopp_site_five_way);
+    count_ticks("tick_two_groups.cumulative:nlstm", make_cumulative, ELMOPP_FORECAST_NLSTM, &elmopp_site_five_way);
+    count_ticks("tick_two_groups.cumulative:nlstm-q15", make_cumulative, ELMOPP_FORECAST_NLSTM_Q15,
+                &elmopp_site_five_way);
+    count_ticks("tick_two_groups.cumulative:gcn", make_cumulative, ELMOPP_FORECAST_GCN, &elmopp_site_five_way);
+    count_ticks("tick_two_groups.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM, &elmopp_site_five_way);
+    count_ticks("tick_two_groups.rollout:gcn", make_rollout, ELMOPP_FORECAST_GCN, &elmopp_site_five_way);
     count_ticks_learning("tick_two_groups.rollout:lstm-learn", make_rollout, &elmopp_site_five_way);
     count_street((uint8_t)ELMOPP_FORECAST_LSTM, false);
     count_street((uint8_t)ELMOPP_FORECAST_LSTM, true);
