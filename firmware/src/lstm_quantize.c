@@ -155,7 +155,8 @@ static elmopp_lstm_quantized_t judge(const elmopp_lstm_f32_weights_t *weights, c
     return (elmopp_lstm_quantized_t){.made = true, .level = 0U, .column = 0U, .reach = 0.0F};
 }
 
-static void fill(const elmopp_lstm_f32_weights_t *weights, const inputs_t *inputs, elmopp_lstm_q15_weights_t *out) {
+static void quantize_rows(const elmopp_lstm_f32_weights_t *weights, const inputs_t *inputs,
+                          elmopp_lstm_q15_weights_t *out) {
     for (uint32_t level = 0U; level < weights->levels; level++) {
         for (uint32_t column = 0U; column < GATES; column++) {
             row_t row;
@@ -199,6 +200,6 @@ elmopp_lstm_quantized_t elmopp_lstm_quantize(const elmopp_lstm_f32_weights_t *we
             out->head_row[r][k] = weights->head_row[r][k] / Q15_ONE;
         }
     }
-    fill(weights, &inputs, out);
+    quantize_rows(weights, &inputs, out);
     return result;
 }
