@@ -9,6 +9,7 @@
 
 #include <assert.h>
 #include <stdbool.h>
+#include <string.h>
 
 #define GCN_UNITS ELMOPP_GCN_UNITS
 #define GCN_NODES ELMOPP_GCN_NODES_MAX
@@ -47,29 +48,56 @@ typedef struct {
     float passed[GCN_UNITS];
 } gcn_sum_t;
 
-/* M X P is the same as M (X P), and has fewer products: every node first works out its row of X P. */
-static gcn_sum_t prepare(const float bias[GCN_UNITS], const float (*own)[GCN_UNITS], const float (*passed)[GCN_UNITS],
-                         const float *input, uint32_t count) {
-    gcn_sum_t sum;
-    for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-        sum.own[r] = bias[r];
-        sum.passed[r] = 0.0F;
+/* A convolution's weights. */
+typedef struct {
+    const float *bias;
+    const float (*own)[GCN_UNITS];
+    const float (*passed)[GCN_UNITS];
+    uint32_t inputs; /* of a node */
+} gcn_layer_t;
+
+/* M X P is the same as M (X P), and has fewer products: every node first works out its row of X P. Two nodes at a time,
+   as they share the weights. */
+static void prepare(const gcn_layer_t *layer, const float *const input[GCN_NODES], uint32_t nodes,
+                    gcn_sum_t sum[GCN_NODES]) {
+    for (uint32_t node = 0U; node < nodes; node++) {
+        (void)memcpy(sum[node].own, layer->bias, sizeof sum[node].own);
+        (void)memset(sum[node].passed, 0, sizeof sum[node].passed);
     }
-    elmopp_dense_add(own, input, count, sum.own);
-    elmopp_dense_add(passed, input, count, sum.passed);
-    return sum;
+    uint32_t done = 0U;
+    for (; (done + 1U) < nodes; done += 2U) {
+        const float *one = input[done];
+        const float *other = input[done + 1U];
+        elmopp_dense_add_twice(layer->own, one, other, layer->inputs, sum[done].own, sum[done + 1U].own);
+        elmopp_dense_add_twice(layer->passed, one, other, layer->inputs, sum[done].passed, sum[done + 1U].passed);
+    }
+    if (done < nodes) {
+        elmopp_dense_add(layer->own, input[done], layer->inputs, sum[done].own);
+        elmopp_dense_add(layer->passed, input[done], layer->inputs, sum[done].passed);
+    }
 }
 
 /* A node's units, once every node is prepared. */
 static void gather(const elmopp_gcn_f32_graph_t *graph, uint32_t node, const gcn_sum_t sum[GCN_NODES],
                    float unit[GCN_UNITS]) {
-    for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-        unit[r] = sum[node].own[r];
-    }
-    for (uint32_t other = 0U; other < graph->nodes; other++) {
-        for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-            unit[r] += graph->mix[node][other] * sum[other].passed[r];
+    (void)memcpy(unit, sum[node].own, sizeof sum[node].own);
+    for (uint32_t r = 0U; r < GCN_UNITS; r += ELMOPP_DENSE_AT_ONCE) {
+        float a = unit[r]; /* in locals: gcc keeps an array in memory on a Cortex-M4 */
+        float b = unit[r + 1U];
+        float c = unit[r + 2U];
+        float d = unit[r + 3U];
+        for (uint32_t other = 0U; other < graph->nodes; other++) {
+            const float *passed = &sum[other].passed[r];
+            const float share = graph->mix[node][other];
+            a += share * passed[0];
+            b += share * passed[1];
+            c += share * passed[2];
+            d += share * passed[3];
         }
+        unit[r] = a;
+        unit[r + 1U] = b;
+        unit[r + 2U] = c;
+        unit[r + 3U] = d;
     }
     elmopp_tanh_each(unit, GCN_UNITS);
 }
@@ -77,22 +105,24 @@ static void gather(const elmopp_gcn_f32_graph_t *graph, uint32_t node, const gcn
 void elmopp_gcn_f32_next(const elmopp_gcn_f32_weights_t *weights, const elmopp_gcn_f32_graph_t *graph,
                          const float *const past[ELMOPP_GCN_NODES_MAX], float next[ELMOPP_GCN_NODES_MAX]) {
     ELMOPP_ASSERT((graph->nodes >= 1U) && (graph->nodes <= GCN_NODES));
-    gcn_sum_t first[GCN_NODES];
-    gcn_sum_t second[GCN_NODES];
-    float unit[GCN_UNITS];
-    for (uint32_t node = 0U; node < graph->nodes; node++) {
-        first[node] =
-            prepare(weights->first_bias, weights->first_own, weights->first_passed, past[node], ELMOPP_GCN_WINDOW_S);
+    const gcn_layer_t first = {weights->first_bias, weights->first_own, weights->first_passed, ELMOPP_GCN_WINDOW_S};
+    const gcn_layer_t second = {weights->second_bias, weights->second_own, weights->second_passed, GCN_UNITS};
+    gcn_sum_t sum[GCN_NODES];
+    float unit[GCN_NODES][GCN_UNITS];
+    const float *input[GCN_NODES];
+    prepare(&first, past, graph->nodes, sum);
+    for (uint32_t node = 0U; node < GCN_NODES; node++) {
+        input[node] = unit[node];
     }
     for (uint32_t node = 0U; node < graph->nodes; node++) {
-        gather(graph, node, first, unit);
-        second[node] = prepare(weights->second_bias, weights->second_own, weights->second_passed, unit, GCN_UNITS);
+        gather(graph, node, sum, unit[node]);
     }
+    prepare(&second, input, graph->nodes, sum);
     for (uint32_t node = 0U; node < graph->nodes; node++) {
-        gather(graph, node, second, unit);
+        gather(graph, node, sum, unit[node]);
         float change = weights->head_bias;
         for (uint32_t r = 0U; r < GCN_UNITS; r++) {
-            change += weights->head[r] * unit[r];
+            change += weights->head[r] * unit[node][r];
         }
         next[node] = past[node][GCN_NEWEST] + change;
     }

@@ -30,7 +30,7 @@
 ///   eleven movements.
 /// - tick.lamp: elmopp_controller_tick() without a decision: site four_way, frames of every camera and node.
 /// - tick.rest: the one after a decision; tick.decision: the one with it: chooser rollout, forecast lstm, 17 stages.
-/// - tick.lamp:learn, tick.rest:learn, tick.decision:learn: the same of a site that learns on.
+/// - tick.lamp:F, tick.rest:F, tick.decision:F: the same with another forecast; learn: of a site that learns on.
 
 #include "bench.h"
 #include "count_marks.h"
@@ -57,6 +57,7 @@
 #define DECISIONS 90U ///< of each chooser
 #define TICKS_SEED 7U ///< every chooser with every forecast decides on the same counts
 #define STREET_S 175U
+#define STREETS 4U
 
 typedef enum {
     VALUES_ZERO,
@@ -370,6 +371,7 @@ static void count_ticks_learning(const char *key, make_fn_t make, const elmopp_j
 
 static elmopp_station_t station;
 static bool is_street_counted;
+static const char *street_name;
 static bool is_stack_wanted;
 static uint32_t stack_words;
 
@@ -408,18 +410,19 @@ uint32_t __wrap_elmopp_controller_tick(elmopp_controller_t *self, elmopp_ms_t no
     COUNT_BEGIN();
     const uint32_t frames = __real_elmopp_controller_tick(self, now_ms, out);
     COUNT_END();
-    const char *how = (self->junction->learning != 0U) ? ":learn" : "";
-    (void)printf("%s%s\n", keys[(tick < 2U) ? tick : 2U], how);
+    (void)printf("%s%s\n", keys[(tick < 2U) ? tick : 2U], street_name);
     return frames;
 }
 
-static void count_street(uint8_t forecast, bool learns) {
+static void count_street(const char *name, uint8_t forecast, bool learns) {
     static bench_t bench;
     static elmopp_junction_t junction;
     static const elmopp_ar8_t no_regression;
-    const elmopp_station_weights_t shipped = {.base = &elmopp_weights_lstm, .learnt = NULL};
+    const elmopp_weights_t *base = elmopp_forecast_is_nested(forecast) ? &elmopp_weights_nlstm : &elmopp_weights_lstm;
+    const elmopp_station_weights_t shipped = {.base = base, .learnt = NULL};
     const elmopp_station_room_t room = {.learning = &learning, .inner = NULL};
     is_street_counted = false;
+    street_name = name;
     junction = elmopp_site_four_way;
     junction.chooser = (uint8_t)ELMOPP_CHOOSER_ROLLOUT;
     junction.forecast = forecast;
@@ -436,6 +439,13 @@ static void count_street(uint8_t forecast, bool learns) {
             bench.arrived_veh[j] += random_below(&seed, 2U);
         }
         bench_ticks(&bench, ELMOPP_LAMP_TICKS_PER_S);
+    }
+}
+
+/* Each time with other vehicles: how many stages are looked at depends on them. */
+static void count_streets(const char *name, uint8_t forecast, bool learns) {
+    for (uint32_t k = 0U; k < STREETS; k++) {
+        count_street(name, forecast, learns);
     }
 }
 
@@ -497,7 +507,7 @@ static void count_keeping(void) {
 int main(int argc, char **argv) {
     is_stack_wanted = (argc == 2) && (strcmp(argv[1], "stack") == 0);
     if (is_stack_wanted) {
-        count_street((uint8_t)ELMOPP_FORECAST_GCN, false); /* the way to this network is the deepest */
+        count_street("", (uint8_t)ELMOPP_FORECAST_GCN, false); /* the way to this network is the deepest */
         (void)printf("%u\n", (unsigned)(stack_words * sizeof(uint32_t)));
         return 0;
     }
@@ -542,8 +552,10 @@ int main(int argc, char **argv) {
     count_ticks("tick_two_groups.rollout:nlstm", make_rollout, ELMOPP_FORECAST_NLSTM, &elmopp_site_five_way);
     count_ticks("tick_two_groups.rollout:gcn", make_rollout, ELMOPP_FORECAST_GCN, &elmopp_site_five_way);
     count_ticks_learning("tick_two_groups.rollout:lstm-learn", make_rollout, &elmopp_site_five_way);
-    count_street((uint8_t)ELMOPP_FORECAST_LSTM, false);
-    count_street((uint8_t)ELMOPP_FORECAST_LSTM, true);
+    count_streets("", (uint8_t)ELMOPP_FORECAST_LSTM, false);
+    count_streets(":nlstm", (uint8_t)ELMOPP_FORECAST_NLSTM, false);
+    count_streets(":gcn", (uint8_t)ELMOPP_FORECAST_GCN, false);
+    count_streets(":learn", (uint8_t)ELMOPP_FORECAST_LSTM, true);
     count_keeping();
     return 0;
 }

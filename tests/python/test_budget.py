@@ -148,6 +148,7 @@ def test_limits_are_what_was_measured_and_five_per_cent() -> None:
     assert new_limits(measured) == {
         "one": {"flash_bytes": 1050, "ram_bytes": 210, "aside_bytes": 42, "stack_bytes": 105, "heap_functions": 0},
         "instructions": {"step": 1052},
+        "model_cycles": {},
     }
     assert beyond(measured, new_limits(measured)) == []
 
@@ -175,6 +176,25 @@ def test_what_has_no_limit_and_what_was_not_measured_are_lines() -> None:
         "instructions: step 1000 has no limit",
         "instructions: other was not measured, but has a limit",
     ]
+
+
+def with_tick(cycles: int) -> Measured:
+    return Measured({}, {}, {"tick.one": Count(1000, cycles, 0), "step": Count(1000, 9_999_999, 0)})
+
+
+def test_a_tick_takes_two_per_cent_of_a_second_or_what_is_written_for_it() -> None:
+    limits = new_limits(with_tick(3_360_000))
+    assert beyond(with_tick(3_360_000), limits) == []
+    assert beyond(with_tick(3_360_001), limits) == ["model cycles: tick.one 3360001 ; at most 3360000 would be right"]
+    limits = new_limits(with_tick(4_000_000))
+    assert limits["model_cycles"] == {"tick.one": 4_200_000}
+    assert beyond(with_tick(4_200_000), limits) == []
+    assert beyond(with_tick(4_200_001), limits) == ["model cycles: tick.one 4200001 ; at most 4200000 would be right"]
+
+
+def test_a_tick_that_needs_no_limit_of_its_own_has_none() -> None:
+    limits = new_limits(with_tick(4_000_000))
+    assert beyond(with_tick(3_360_000), limits) == ["model cycles: tick.one needs no limit of its own ; leave it out"]
 
 
 def test_the_table_is_written_between_its_marks() -> None:

@@ -49,4 +49,48 @@ static inline void elmopp_dense_add(const float (*row)[ELMOPP_DENSE_UNITS], cons
     }
 }
 
+/// The same of two layers with the same weights, four columns: a weight is loaded once for both.
+static inline void elmopp_dense_add_four_twice(const float (*row)[ELMOPP_DENSE_UNITS], const float *one_input,
+                                               const float *other_input, uint32_t count, uint32_t column,
+                                               float one_sum[ELMOPP_DENSE_UNITS], float other_sum[ELMOPP_DENSE_UNITS]) {
+    float a = one_sum[column];
+    float b = one_sum[column + 1U];
+    float c = one_sum[column + 2U];
+    float d = one_sum[column + 3U];
+    float e = other_sum[column];
+    float f = other_sum[column + 1U];
+    float g = other_sum[column + 2U];
+    float h = other_sum[column + 3U];
+    for (uint32_t k = 0U; k < count; k++) {
+        const float *weight = &row[k][column];
+        const float one = one_input[k];
+        const float other = other_input[k];
+        a += weight[0] * one;
+        b += weight[1] * one;
+        c += weight[2] * one;
+        d += weight[3] * one;
+        e += weight[0] * other;
+        f += weight[1] * other;
+        g += weight[2] * other;
+        h += weight[3] * other;
+    }
+    one_sum[column] = a;
+    one_sum[column + 1U] = b;
+    one_sum[column + 2U] = c;
+    one_sum[column + 3U] = d;
+    other_sum[column] = e;
+    other_sum[column + 1U] = f;
+    other_sum[column + 2U] = g;
+    other_sum[column + 3U] = h;
+}
+
+/// elmopp_dense_add() for two layers with the same weights.
+static inline void elmopp_dense_add_twice(const float (*row)[ELMOPP_DENSE_UNITS], const float *one_input,
+                                          const float *other_input, uint32_t count, float one_sum[ELMOPP_DENSE_UNITS],
+                                          float other_sum[ELMOPP_DENSE_UNITS]) {
+    for (uint32_t column = 0U; column < ELMOPP_DENSE_UNITS; column += ELMOPP_DENSE_AT_ONCE) {
+        elmopp_dense_add_four_twice(row, one_input, other_input, count, column, one_sum, other_sum);
+    }
+}
+
 #endif
