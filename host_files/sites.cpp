@@ -200,6 +200,7 @@ std::string describe(const elmopp_site_verdict_t &verdict, const elmopp_junction
     case ELMOPP_SITE_IMAGE_LENGTH:
         return "cut or too long";
     case ELMOPP_SITE_IMAGE_CRC:
+    case ELMOPP_SITE_FAULT_COUNT: // no verdict
         break;
     }
     return "the checksum does not fit the bytes";

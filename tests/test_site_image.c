@@ -143,6 +143,18 @@ static void test_an_image_may_lie_at_any_address(void) {
     }
 }
 
+static void test_every_fault_has_a_name_of_its_own(void) {
+    for (uint32_t a = 0U; a < (uint32_t)ELMOPP_SITE_FAULT_COUNT; a++) {
+        const char *name = elmopp_site_fault_name((elmopp_site_fault_t)a);
+        TEST_ASSERT_TRUE(strlen(name) > 3U);
+        for (uint32_t b = 0U; b < a; b++) {
+            TEST_ASSERT_TRUE(strcmp(name, elmopp_site_fault_name((elmopp_site_fault_t)b)) != 0);
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("an unknown fault", elmopp_site_fault_name(ELMOPP_SITE_FAULT_COUNT));
+    TEST_ASSERT_EQUAL_STRING("an unknown fault", elmopp_site_fault_name((elmopp_site_fault_t)200));
+}
+
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_a_good_image_of_every_site_is_loaded_byte_for_byte);
@@ -155,5 +167,6 @@ int main(void) {
     RUN_TEST(test_an_image_of_another_version_is_refused);
     RUN_TEST(test_an_image_of_version_1_is_refused_for_its_version);
     RUN_TEST(test_an_image_may_lie_at_any_address);
+    RUN_TEST(test_every_fault_has_a_name_of_its_own);
     return UNITY_END();
 }

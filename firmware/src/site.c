@@ -15,6 +15,35 @@
 #define SUNDAY 6U
 #define PERCENT_MAX 100U
 
+const char *elmopp_site_fault_name(elmopp_site_fault_t fault) {
+    static const char *const name[ELMOPP_SITE_FAULT_COUNT] = {
+        [ELMOPP_SITE_OK] = "good",
+        [ELMOPP_SITE_COUNTS] = "a count, a code or a length is out of bounds",
+        [ELMOPP_SITE_NAME] = "a name is empty or has no end",
+        [ELMOPP_SITE_HOLD] = "the hold window is none",
+        [ELMOPP_SITE_START] = "first stage, cameras or start-up times are out of bounds",
+        [ELMOPP_SITE_WAIT] = "the wait for an occupied junction is too long",
+        [ELMOPP_SITE_APPROACH] = "an approach has too many movements",
+        [ELMOPP_SITE_MOVEMENT] = "a movement is none",
+        [ELMOPP_SITE_RESCUE] = "a rescue stage does not serve its movement",
+        [ELMOPP_SITE_GIVES_WAY] = "a movement gives way to one that never goes with it",
+        [ELMOPP_SITE_GROUP] = "a group breaks a rule about times, or has no lamp node",
+        [ELMOPP_SITE_CONFLICT] = "two groups conflict one-sidedly",
+        [ELMOPP_SITE_INTERGREEN] = "an intergreen is too short, or has no conflict",
+        [ELMOPP_SITE_STAGE] = "a stage is empty or repeated",
+        [ELMOPP_SITE_STAGE_CONFLICT] = "two groups conflict inside a stage",
+        [ELMOPP_SITE_STAGE_NOT_MAXIMAL] = "a further group fits into a stage",
+        [ELMOPP_SITE_RED_BOUND] = "the bound on red cannot be kept",
+        [ELMOPP_SITE_PROGRAM] = "a programme has no good steps, or leaves out a movement",
+        [ELMOPP_SITE_SCHEDULE] = "a line of the schedule is none",
+        [ELMOPP_SITE_SPECIAL_DAY] = "a special day names no weekday",
+        [ELMOPP_SITE_IMAGE_MAGIC] = "not an ELMS image",
+        [ELMOPP_SITE_IMAGE_VERSION] = "an ELMS image of another version",
+        [ELMOPP_SITE_IMAGE_LENGTH] = "an ELMS image of another length",
+        [ELMOPP_SITE_IMAGE_CRC] = "an ELMS image whose checksum does not fit"};
+    return (fault < ELMOPP_SITE_FAULT_COUNT) ? name[fault] : "an unknown fault";
+}
+
 static const elmopp_site_verdict_t ok = {ELMOPP_SITE_OK, 0U, 0U};
 
 static elmopp_site_verdict_t fault(elmopp_site_fault_t what, uint32_t first, uint32_t second) {

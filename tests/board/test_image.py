@@ -14,11 +14,14 @@ import struct
 import subprocess
 import time
 import zlib
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from bus_frames import COMMAND, LAMP_COMMAND, TRANSFER, TRANSFER_ACK, segments
+from elmopp_tools.site import load_site
+from elmopp_tools.site_image import image_bytes
 from emulator import ANSWER_S, IMAGE, ROOT, Bus, Emulator
 from images import changed_weights, site_image, tool, with_flipped_bit
 
@@ -181,7 +184,24 @@ def test_a_site_with_a_flipped_bit_is_named_and_moves_nobody(site: Path, at: int
     with Emulator(site=with_flipped_bit(site, at)) as board:
         bus = Bus(board)
         expect_only_flashing(bus, "site_changed")
-        board.hears("the stored site is refused")
+        said = board.hears("counted from 0")
+    what = {0: "not an ELMS image", 4: "another version", 8: "another length"}.get(at, "whose checksum does not fit")
+    assert "the stored site is refused:" in said
+    assert what in said
+
+
+def test_a_site_that_breaks_a_rule_is_refused_with_the_rule_and_the_pair(tmp_path: Path) -> None:
+    """Groups 0 and 4 conflict, and only 4 knows."""
+    junction, _ = load_site(ROOT / "sites" / "four_way.toml")
+    first, *others = junction.conflict
+    assert first & 1 << 4
+    image = tmp_path / "site.bin"
+    image.write_bytes(image_bytes(replace(junction, conflict=(first & ~(1 << 4), *others))))
+    with Emulator(site=image) as board:
+        expect_only_flashing(Bus(board), "site_changed")
+        said = board.hears("counted from 0")
+    assert "two groups conflict one-sidedly" in said
+    assert "at 000 and 004" in said
 
 
 def test_a_site_that_is_simulation_only_is_refused_by_name(tmp_path: Path) -> None:

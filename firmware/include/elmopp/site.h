@@ -53,7 +53,8 @@ typedef enum {
     ELMOPP_SITE_IMAGE_MAGIC,   ///< does not begin with "ELMS"
     ELMOPP_SITE_IMAGE_VERSION, ///< another layout
     ELMOPP_SITE_IMAGE_LENGTH,  ///< cut or too long
-    ELMOPP_SITE_IMAGE_CRC      ///< changed on the way
+    ELMOPP_SITE_IMAGE_CRC,     ///< changed on the way
+    ELMOPP_SITE_FAULT_COUNT
 } elmopp_site_fault_t;
 
 /// First fault found, in the order above.
@@ -62,6 +63,10 @@ typedef struct {
     uint8_t first;
     uint8_t second;
 } elmopp_site_verdict_t;
+
+/// What a fault is called, for a status line, without what `first` and `second` stand for. Never null, whatever the
+/// number.
+const char *elmopp_site_fault_name(elmopp_site_fault_t fault);
 
 /// The layout of elmopp_junction_t that this firmware reads; the envelope is image.h's.
 #define ELMOPP_SITE_IMAGE_VERSION_NOW 5U

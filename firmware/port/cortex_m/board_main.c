@@ -17,6 +17,10 @@
 
 #define WORD 4U
 #define ONES 0xFFU
+#define DIGITS 3U /* of what a verdict names */
+#define TEN 10U
+#define FIRST_AT 3U /* of its digits */
+#define SECOND_AT 11U
 #define DECIDED 1U /* second_ds after the tick of a decision */
 
 /* What was found at the start. */
@@ -52,11 +56,33 @@ static bool is_empty(const elmopp_port_slot_t *slot) {
     return zeros || ones;
 }
 
+static void put_number(char *digits, uint32_t number) {
+    uint32_t rest = number;
+    for (uint32_t k = DIGITS; k > 0U; k--) {
+        digits[k - 1U] = (char)('0' + (char)(rest % TEN));
+        rest /= TEN;
+    }
+}
+
+/* The rule in words, and what it names by numbers: the names are in what is refused. */
+static void say_site_fault(const elmopp_site_verdict_t *verdict) {
+    char places[] = "at 000 and 000, counted from 0 (site.h)";
+    put_number(&places[FIRST_AT], verdict->first);
+    put_number(&places[SECOND_AT], verdict->second);
+    elmopp_port_say("the stored site is refused:");
+    elmopp_port_say(elmopp_site_fault_name(verdict->fault));
+    elmopp_port_say(places);
+}
+
 /* Null: nothing is stored, or nothing that can be used. */
 static const elmopp_junction_t *load_site(const elmopp_port_slot_t *slot, troubles_t *troubles) {
     const uint32_t length = ELMOPP_IMAGE_HEADER + (uint32_t)sizeof stored_site;
-    if ((slot->size < length) || (elmopp_site_load(slot->bytes, length, &stored_site).fault != ELMOPP_SITE_OK)) {
-        elmopp_port_say("the stored site is refused: it is not what tools/site writes");
+    elmopp_site_verdict_t verdict = {.fault = ELMOPP_SITE_IMAGE_LENGTH, .first = 0U, .second = 0U};
+    if (slot->size >= length) {
+        verdict = elmopp_site_load(slot->bytes, length, &stored_site);
+    }
+    if (verdict.fault != ELMOPP_SITE_OK) {
+        say_site_fault(&verdict);
         troubles->site = true;
         return NULL;
     }

@@ -4,10 +4,10 @@
 #include "transfer_words.hpp"
 
 #include "core.hpp"
-#include "sites.hpp"
 
 extern "C" {
 #include "elmopp/fault.h"
+#include "elmopp/site.h"
 }
 
 namespace elmopp {
@@ -41,12 +41,11 @@ std::string content_of(const elmopp_transfer_report_t &report) {
                    ? elmopp_weights_fault_name(static_cast<elmopp_weights_fault_t>(report.first))
                    : "a rule that this program does not know";
     }
-    std::string rule = "rule " + std::to_string(report.first) + " at " + std::to_string(report.second);
-    if (report.first > ELMOPP_SITE_IMAGE_CRC) {
-        return rule;
+    if (report.first >= ELMOPP_SITE_FAULT_COUNT) {
+        return "rule " + std::to_string(report.first) + ", which this program does not know";
     }
-    const elmopp_site_verdict_t verdict{static_cast<elmopp_site_fault_t>(report.first), report.second, 0};
-    return rule + ", " + describe(verdict, elmopp_junction_t{});
+    return std::string(elmopp_site_fault_name(static_cast<elmopp_site_fault_t>(report.first))) + ": number " +
+           std::to_string(report.second) + " of it, counted from 0";
 }
 
 std::string fault_of(const elmopp_transfer_report_t &report) {
