@@ -43,6 +43,15 @@ struct Block {
     std::vector<ChooserSpec> choosers;
 };
 
+/// Of the printed algorithm, what is printed of it: no rival had a printed form.
+std::vector<ChooserSpec> literal_table() {
+    return parse_choosers("naive,cumulative:none,cumulative:lstm-literal");
+}
+
+std::vector<ChooserSpec> usual_choosers(const std::string &profile) {
+    return profile == "literal" ? literal_table() : paper_table();
+}
+
 /// What stands beside the paper's table: each rival's sweep, the profile of the printed figure and the literal
 /// algorithm.
 std::vector<Block> beside_blocks() {
@@ -54,7 +63,7 @@ std::vector<Block> beside_blocks() {
     return {{"paper", sweeps},
             {"saturation", sweeps},
             {"figure", parse_choosers("naive,cumulative:none,cumulative:ar8,cumulative:oracle,itlc,oaf")},
-            {"literal", parse_choosers("naive,cumulative:none,cumulative:lstm-literal")}};
+            {"literal", literal_table()}};
 }
 
 class Progress {
@@ -81,7 +90,7 @@ class Experiment {
         std::vector<Block> blocks;
         blocks.reserve(request.profiles.size());
         for (const auto &profile : request.profiles) {
-            blocks.push_back({profile, request.choosers});
+            blocks.push_back({profile, request.choosers.empty() ? usual_choosers(profile) : request.choosers});
         }
         add(blocks);
         main_cells_ = cells_.size();

@@ -19,7 +19,7 @@ namespace elmopp {
 
 struct ExperimentRequest {
     std::vector<std::string> profiles{"paper", "saturation"};
-    std::vector<ChooserSpec> choosers = paper_table();
+    std::vector<ChooserSpec> choosers;                        ///< empty: of each profile the usual ones
     std::vector<unsigned> vehicles{200, 400, 600, 800, 1000}; ///< empty: a random number each trial
     std::uint64_t trials = 30;
     std::uint64_t seed = 1;

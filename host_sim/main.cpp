@@ -209,7 +209,7 @@ NetworkRequest network_request(const CLI::App &command, const Texts &texts) {
     NetworkRequest request;
     request.network = texts.network;
     request.profile = command.count("--profile") > 0 ? texts.profile : request.profile;
-    request.choosers = plain.choosers;
+    request.choosers = plain.choosers.empty() ? paper_table() : plain.choosers;
     request.neighbours = one_of<std::vector<bool>>("--neighbours", texts.neighbours,
                                                    {{"off", {false}}, {"on", {true}}, {"both", {false, true}}});
     if (command.count("--link") > 0) {
@@ -244,7 +244,8 @@ void add_experiment(CLI::App &app, Texts &texts) {
     };
     option("--profile", texts.profile, "LIST", "Profiles, comma-separated (host_sim list)")->capture_default_str();
     option("--choosers", texts.choosers, "LIST",
-           "Choosers NAME[@OPTION=VALUE][:FORECAST], comma-separated, or all (default: the paper's table)");
+           "Choosers NAME[@OPTION=VALUE][:FORECAST], comma-separated, or all (default: the paper's table; of profile "
+           "literal what is printed)");
     option("--vehicles", texts.vehicles, "LIST",
            "Vehicles per approach, comma-separated, or random for 200..1000 (default: 200,400,600,800,1000)");
     option("--trials", texts.trials, "N", "Initial conditions for each number of vehicles")->capture_default_str();
@@ -464,9 +465,10 @@ void add_serve(CLI::App &app, Texts &texts) {
 
 /// A chooser that reads a forecast, without one: the command gives it several.
 std::string reader_of(const std::string &text) {
-    const ChooserSpec spec = parse_chooser(text);
+    const std::string name = text.substr(0, text.find('@'));
     for (const auto &kind : chooser_kinds()) {
-        if (kind.name == spec.name && kind.forecasts && text.find(':') == std::string::npos) {
+        if (kind.name == name && kind.forecasts && text.find(':') == std::string::npos) {
+            (void)parse_chooser(text); // its options
             return text;
         }
     }
@@ -483,8 +485,8 @@ void add_learning(CLI::App &app, Texts &texts) {
     command->add_option("--vehicles", texts.learning_vehicles, "Vehicles per approach")
         ->type_name("N")
         ->capture_default_str();
-    command->add_option("--chooser", texts.learning_chooser, "Who is shown the forecasts")
-        ->type_name("CHOOSER")
+    command->add_option("--chooser", texts.learning_chooser, "Who is shown the forecasts: rollout or cumulative")
+        ->type_name("NAME")
         ->capture_default_str();
     command->add_option("--updates", texts.updates, "Updates in an oracle's training")
         ->type_name("N")

@@ -25,12 +25,14 @@ def tool(name: str, *words: str) -> None:
 
 
 def site_image(folder: Path, chooser: str, name: str = "four_way") -> Path:
-    """A site with this chooser, one that learns on if its forecast says so, and short times of the start-up."""
+    """A site with this chooser, in whole numbers or learning on if its forecast says so, that starts quickly."""
     rule, _, forecast = chooser.partition(":")
-    network = forecast.removesuffix("-learn")
-    learning = "\nlearning = true" if forecast != network else ""
+    network, _, how = forecast.partition("-")
+    learning = "\nlearning = true" if how == "learn" else ""
+    arithmetic = "q15" if how == "q15" else "float"
     text = (ROOT / "sites" / f"{name}.toml").read_text(encoding="utf-8")
     text = re.sub(r"^chooser = .*$", f'chooser = "{rule}"', text, flags=re.MULTILINE)
+    text = re.sub(r"^arithmetic = .*$", f'arithmetic = "{arithmetic}"', text, flags=re.MULTILINE)
     quick = f'forecast = "{network or "none"}"{learning}\nstart_flash_s = 1\nstart_red_s = 1'
     text = re.sub(r"^forecast = .*$", quick, text, flags=re.MULTILINE)
     toml = folder / "site.toml"

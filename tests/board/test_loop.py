@@ -19,7 +19,9 @@ HOST_SIM = Path(os.environ.get("ELMOPP_HOST_SIM", ROOT / "build" / "release" / "
 SECONDS = int(os.environ.get("ELMOPP_BOARD_SECONDS", "200"))
 CHOOSERS = ["naive", "cumulative:lstm", "pressure", "priced", "rollout"]
 OTHERS = ["cumulative:none", "cumulative:mean", "cumulative:persistence", "cumulative:ewma", "cumulative:ar8"]
-OTHERS += ["cumulative:nlstm", "rollout:lstm", "rollout:lstm-learn"]
+OTHERS += ["cumulative:nlstm", "cumulative:lstm-q15", "cumulative:nlstm-q15", "cumulative:ann", "cumulative:gcn"]
+OTHERS += ["rollout:lstm", "rollout:nlstm", "rollout:lstm-learn", "rollout:nlstm-q15", "rollout:gcn"]
+STREETS = ["one_way", "three_way", "five_way", "left_lanes", "shared_lanes"]
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -57,9 +59,10 @@ def test_so_it_is_with_every_forecast(tmp_path: Path, chooser: str) -> None:
 
 
 @pytest.mark.others
-@pytest.mark.parametrize("name", ["one_way", "three_way", "five_way"])
-def test_so_it_is_at_every_other_street(tmp_path: Path, name: str) -> None:
-    compare_logs(tmp_path, site_image(tmp_path, "cumulative:ar8", name))
+@pytest.mark.parametrize("name", STREETS)
+@pytest.mark.parametrize("chooser", ["cumulative:ar8", "rollout:lstm"])
+def test_so_it_is_at_every_other_street(tmp_path: Path, chooser: str, name: str) -> None:
+    compare_logs(tmp_path, site_image(tmp_path, chooser, name))
 
 
 @pytest.mark.others

@@ -197,6 +197,13 @@ def test_a_tick_that_needs_no_limit_of_its_own_has_none() -> None:
     assert beyond(with_tick(3_360_000), limits) == ["model cycles: tick.one needs no limit of its own ; leave it out"]
 
 
+def test_what_depends_on_the_numbers_is_a_line_where_nothing_may() -> None:
+    limits = new_limits(Measured({}, {}, {"train_w30": Count(1000, 1000, 0)}))
+    assert beyond(Measured({}, {}, {"train_w30": Count(1000, 1000, 2)}), limits) == [
+        "spread: train_w30 2 ; 0 would be right"
+    ]
+
+
 def test_the_table_is_written_between_its_marks() -> None:
     text = "a\n<!-- budgets -->\nold\n<!-- end of budgets -->\nb\n"
     assert with_table(text, ["new"]) == "a\n<!-- budgets -->\n\nnew\n\n<!-- end of budgets -->\nb\n"

@@ -975,6 +975,17 @@ def test_another_seed_gives_other_results_and_figures_come_too(small: Path, tmp_
         assert row["mean_delay_s"] != other["mean_delay_s"]
 
 
+def test_the_literal_profile_runs_the_printed_training(tmp_path: Path) -> None:
+    succeed("experiment", "--profile", "literal", "--vehicles", "200", "--trials", "1", "--out", str(tmp_path / "out"))
+    with (tmp_path / "out" / "trials.csv").open(encoding="utf-8", newline="") as file:
+        ran = {(row["profile"], row["chooser"], row["forecast"]) for row in csv.DictReader(file)}
+    assert ran == {
+        ("literal", "naive", "none"),
+        ("literal", "cumulative", "none"),
+        ("literal", "cumulative", "lstm-literal"),
+    }
+
+
 def test_trials_hold_the_spelled_out_columns_and_every_cell_once(small: Path) -> None:
     assert (small / "trials.csv").read_text().splitlines()[0] == HEADER
     rows = rows_of(small / "trials.csv")

@@ -7,19 +7,18 @@
 /// decides nothing: whether a forecast is good enough to be used is the pilot's to say. `oracle` is not here: a
 /// simulator that knows the future hands its rows to elmopp_pilot_step() itself.
 ///
-///   none         no row: the chooser sees no further inflow
-///   mean         the given long-run mean, or the running mean of the last 15 minutes, in every step
-///   persistence  the last second in every step
-///   ewma         an exponentially weighted mean, time constant 120 s, in every step
-///   ar8          a regression over the last eight seconds (ar8.h). The mean until eight seconds have been seen.
-///   lstm, nlstm  a network (lstm_f32.h) of one level, or of more, that sees every second and runs on its own output,
-///                from a copy of its state
-///   lstm-q15, nlstm-q15  the same networks in whole numbers (lstm_q15.h), made of the same weights
-///   ann          a plain network (ann_f32.h) that sees the last 16 seconds and runs on its own output
-///   gcn          a network over the graph of the approaches (gcn_f32.h), which sees the last 32 seconds of each and
-///   runs
-///                on its own output. Two approaches are joined if they meet in the junction: a movement of one
-///                conflicts with one of the other.
+/// - none: no row; the chooser sees no further inflow.
+/// - mean: the given long-run mean, or the running mean of the last 15 minutes, in every step.
+/// - persistence: the last second in every step.
+/// - ewma: an exponentially weighted mean, time constant 120 s, in every step.
+/// - ar8: a regression over the last eight seconds (ar8.h). The mean until eight seconds have been seen.
+/// - lstm, nlstm: a network (lstm_f32.h) of one level, or of more, that sees every second and runs on its own output,
+///   from a copy of its state.
+/// - lstm-q15, nlstm-q15: the same networks in whole numbers (lstm_q15.h), made of the same weights.
+/// - ann: a plain network (ann_f32.h) that sees the last 16 seconds and runs on its own output.
+/// - gcn: a network over the graph of the approaches (gcn_f32.h), which sees the last 32 seconds of each and runs on
+///   its own output. Two approaches are joined if they meet in the junction: a movement of one conflicts with one of
+///   the other.
 ///
 /// All networks say the mean until 60 seconds have been seen, or if their weights are refused. They see arrivals /
 /// demand scale, at most and at least what the weights say, and what they say is held in the same range. All but gcn

@@ -22,7 +22,7 @@
 ///
 /// The sums are lstm_kernel.h and trainer_kernel.h, which a port may replace, bit for bit; the same bits on every
 /// target. The number of instructions of a sample depends on its numbers of steps only, that of an update on nothing
-/// (tests/board/count_work.c).
+/// (tools/budget).
 ///
 /// Memory belongs to the caller: elmopp_trainer_memory_t, and for nested networks elmopp_trainer_inner_memory_t too,
 /// which a network of one level does not need. One owner, not thread-safe, no allocation.
