@@ -5,6 +5,8 @@
 /// against an independent implementation in tests/python/test_trainer_reference.py.
 
 #include "assert_catcher.h"
+#include "elmopp/lstm_q15.h"
+#include "elmopp/lstm_quantize.h"
 #include "elmopp/trainer.h"
 #include "random.h"
 #include "unity.h"
@@ -18,6 +20,7 @@
 
 static elmopp_lstm_f32_weights_t weights;
 static elmopp_lstm_f32_weights_t learnt;
+static elmopp_lstm_q15_weights_t whole;
 static elmopp_trainer_memory_t memory;
 static elmopp_trainer_inner_memory_t inner;
 static elmopp_trainer_t trainer;
@@ -145,6 +148,42 @@ static void test_a_few_hundred_updates_learn_a_wave_at_every_depth(void) {
         }
         TEST_ASSERT_TRUE(take() < (0.1F * first));
         TEST_ASSERT_EQUAL_UINT32(150U, trainer.updates);
+    }
+}
+
+/* The error of a sample, by a network in whole numbers. */
+static float error_in_whole_numbers(void) {
+    const elmopp_trainer_sample_t sample = sample_of_waves();
+    elmopp_lstm_q15_state_t state;
+    (void)memset(&state, 0, sizeof state);
+    float said[INPUTS];
+    float squares = 0.0F;
+    for (uint32_t t = 0U; t < WINDOW; t++) {
+        elmopp_lstm_q15_step(&whole, &state, (t < sample.fed) ? seen[t] : said);
+        elmopp_lstm_q15_output(&whole, &state, said);
+        for (uint32_t k = 0U; k < INPUTS; k++) {
+            said[k] = fminf(fmaxf(said[k], low[k]), high[k]);
+            const float error = said[k] - seen[t + 1U][k];
+            squares += (t >= sample.unscored) ? (error * error) : 0.0F;
+        }
+    }
+    return squares / (25.0F * 4.0F);
+}
+
+static void test_what_was_learnt_is_quantised_again_and_knows_it_in_whole_numbers(void) {
+    for (uint32_t levels = 1U; levels <= ELMOPP_LSTM_LEVELS_MAX; levels++) {
+        begin(levels);
+        TEST_ASSERT_TRUE(elmopp_lstm_quantize(&weights, low, high, &whole).made);
+        const float first = error_in_whole_numbers();
+        for (uint32_t n = 0U; n < 150U; n++) {
+            (void)take();
+            TEST_ASSERT_TRUE(elmopp_trainer_update(&trainer, 3.0e-3F));
+        }
+        const float in_float = take();
+        copy(&learnt);
+        TEST_ASSERT_TRUE(elmopp_lstm_quantize(&learnt, low, high, &whole).made);
+        TEST_ASSERT_TRUE(error_in_whole_numbers() < (0.1F * first));
+        TEST_ASSERT_FLOAT_WITHIN(0.02F * in_float, in_float, error_in_whole_numbers());
     }
 }
 
@@ -311,6 +350,7 @@ int main(void) {
     RUN_TEST(test_its_network_says_what_the_weights_say);
     RUN_TEST(test_a_samples_error_is_that_of_a_forecast);
     RUN_TEST(test_a_few_hundred_updates_learn_a_wave_at_every_depth);
+    RUN_TEST(test_what_was_learnt_is_quantised_again_and_knows_it_in_whole_numbers);
     RUN_TEST(test_a_batch_of_the_same_is_the_same);
     RUN_TEST(test_the_first_step_is_the_rate_and_against_the_slope);
     RUN_TEST(test_long_slopes_are_shortened_to_the_limit);
