@@ -170,9 +170,13 @@ struct Counter::Impl {
 
     double step_of(double now_s);
     bool is_cut(double change);
+    bool is_road_known(Registration::Result &placed, bool cut, double step_s);
+    void start_over(Registration::Result &placed);
     void keep_or_count(Road &road, const Kept &kept);
     void count(Road &road, const Kept &kept);
     void collect(Road &road);
+    void count_kept(Road &road);
+    void interrupt();
     void learn_anew();
     void begin_lesson();
     void learn_more(int pixels);
@@ -188,7 +192,8 @@ struct Counter::Impl {
     void resume();
     [[nodiscard]] Reason reason(std::size_t lane) const;
 
-    static constexpr double most_gain = 0.8; ///< from there on the road is taken over into the present light
+    static constexpr double forgotten_after_s = 600.0; ///< a pause after which no road is believed (counter.hpp)
+    static constexpr double most_gain = 0.8;           ///< from there on the road is taken over into the present light
 
     LaneFile file;
     Registration registration;
@@ -207,6 +212,8 @@ struct Counter::Impl {
     double learnt_for_s = 0.0;
     double zone_step_s = 0.0;
     double paused_s = 0.0;
+    bool doubted = false; ///< whether the picture still is that of the known road
+    double unfit_s = 0.0; ///< ... for how long it has been in place and not fitted
     cv::Point2d home_px;  ///< shift that is taken for right
     cv::Point2d stays_px; ///< shift of a camera that has moved
     double stays_s = 0.0; ///< ... since when
@@ -319,13 +326,29 @@ void Counter::Impl::keep_or_count(Road &road, const Kept &kept) {
     collect(road);
 }
 
+void Counter::Impl::count_kept(Road &road) {
+    for (const Kept &kept : road.kept) {
+        count(road, kept);
+    }
+    road.kept.clear();
+}
+
+/// Frames are missing; the road is as it was.
+void Counter::Impl::interrupt() {
+    for (Road &road : roads) {
+        if (!learning) {
+            count_kept(road);
+        }
+        road.section->interrupt();
+        collect(road);
+    }
+}
+
 /// The scene is another one. What is still kept is counted on the road as it was.
 void Counter::Impl::learn_anew() {
     for (Road &road : roads) {
         if (!learning) {
-            for (const Kept &kept : road.kept) {
-                count(road, kept);
-            }
+            count_kept(road);
         }
         road.section->close();
         collect(road);
@@ -461,20 +484,57 @@ void Counter::Impl::rebase() {
     }
 }
 
+/// Another scene, or one that has moved: learnt from here on, in the present light.
+void Counter::Impl::start_over(Registration::Result &placed) {
+    learn_anew();
+    registration.release();
+    placed.gain = 0;
+    doubted = false;
+    unfit_s = 0;
+    paused_s = 0;
+}
+
+/// A cut or a long pause puts the known road in doubt: it is taken back when the picture is seen to be that of the
+/// camera that stands where it stood, in light as it was. False while that is open: such a picture counts for nothing.
+bool Counter::Impl::is_road_known(Registration::Result &placed, bool cut, double step_s) {
+    constexpr double doubted_after_s = 60.0;
+    constexpr double patience_s = 1.0; // exposure and compression settle first
+    if (!doubted && !cut && paused_s <= doubted_after_s) {
+        return true;
+    }
+    if (learning) {
+        start_over(placed);
+        return true;
+    }
+    if (!doubted) {
+        doubted = true;
+        registration.hold();
+    }
+    const bool in_place = placed.sure && cv::norm(placed.shift_px - home_px) <= Health::moved_px;
+    if (in_place && paused_s <= forgotten_after_s && registration.fits()) {
+        placed.gain = registration.recover();
+        doubted = false;
+        unfit_s = 0;
+        interrupt();
+        return true;
+    }
+    unfit_s = in_place ? unfit_s + step_s : 0.0;
+    if (in_place && (unfit_s > patience_s || paused_s > forgotten_after_s || !registration.followed())) {
+        start_over(placed);
+        return true;
+    }
+    return false;
+}
+
 void Counter::Impl::pause(double step_s) {
     paused_s += step_s;
 }
 
-/// After a pause nothing on the line is what it was; after a long one the road is not, either.
+/// After a pause nothing on the line is what it was.
 void Counter::Impl::resume() {
     constexpr double short_s = 0.5;
-    constexpr double long_s = 60.0;
-    if (paused_s > long_s) {
-        learn_anew();
-    } else if (paused_s > short_s) {
-        for (Road &road : roads) {
-            road.section->interrupt();
-        }
+    if (paused_s > short_s) {
+        interrupt();
     }
     paused_s = 0;
 }
@@ -504,7 +564,7 @@ Reason Counter::Impl::reason(std::size_t lane) const {
     const bool unknown = !finder && std::any_of(zones.begin(), zones.end(), [lane](const Zone &zone) {
         return zone.lane == lane && zone.presence->unknown();
     });
-    return learning || unknown ? Reason::learning : Reason::ok;
+    return learning || doubted || unknown ? Reason::learning : Reason::ok;
 }
 
 Counter::Counter(const LaneFile &file, const Settings &settings) : impl_(std::make_unique<Impl>(file, settings)) {}
@@ -550,11 +610,14 @@ void Counter::feed(const cv::Mat &bgr, double t_s) {
     my.agreement = placed.agreement;
     const bool settled = my.moved_for_good(placed, step_s);
     my.health.placed(cv::norm(placed.shift_px - my.home_px), placed.sure, step_s);
-    if (my.is_cut(placed.change) || settled) {
-        my.learn_anew();
-        my.registration.rebase();
-        placed.gain = 0;
-    } else if (std::abs(placed.gain) > my.most_gain && !my.learning && my.caught_up()) {
+    const bool cut = my.is_cut(placed.change);
+    if (settled) {
+        my.start_over(placed);
+    } else if (!my.is_road_known(placed, cut, step_s)) {
+        my.pause(step_s);
+        return;
+    }
+    if (std::abs(placed.gain) > my.most_gain && !my.learning && my.caught_up()) {
         my.rebase();
         placed.gain = 0;
     }
@@ -639,7 +702,7 @@ Record Counter::glance() const {
     if (my.box) {
         const Reason why = my.frame < 0                      ? Reason::lost
                            : my.health.fault() != Reason::ok ? my.health.fault()
-                           : my.learning                     ? Reason::learning
+                           : my.learning || my.doubted       ? Reason::learning
                                                              : Reason::ok;
         record.junction = JunctionRecord{my.box->junction->occupied(), why == Reason::ok, why};
     }

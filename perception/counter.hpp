@@ -10,6 +10,15 @@
 /// cut that comes while kept frames are still being counted has the rest of them counted at once.) The same frames give
 /// the same records, bit for bit.
 ///
+/// A cut, and a pause of more than 60 s, put the known road in doubt (`learning`; such pictures count for nothing). It
+/// is taken back as soon as the picture fits what was there before: half of the registration's pieces where they were,
+/// at most 15 pixels from home, and at most a quarter of the picture beside the lanes in another light, but for its
+/// common brightness. So a queue may stand there. In place for 1 s without fitting, it is learnt anew; elsewhere it is
+/// `moved`. After a pause of more than 600 s no road is believed: the shadow of 25 m of a low sun moves by about 1.1 m
+/// (a third of a lane's width) in that time, and thinner stripes are no vehicle (Presence), but the rule for light that
+/// creeps on has to see it creep. A picture that cannot be followed (Registration) is learnt anew at once in both
+/// cases: where the camera stands cannot be told.
+///
 /// Owner: whoever reads the camera. Not thread-safe. Memory: about a hundred small patches while learning, otherwise
 /// bounded by lanes and zones.
 

@@ -17,7 +17,6 @@ constexpr int cell_rows = 6;
 constexpr double said_after_s = 0.8; ///< a fault that lasts is said
 constexpr double moved_after_s = 2.0;
 constexpr double clear_after_s = 1.0; ///< ... and over when it has been good for so long
-constexpr double moved_px = 15.0;
 
 } // namespace
 

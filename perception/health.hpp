@@ -23,6 +23,8 @@ namespace elmopp {
 
 class Health {
   public:
+    static constexpr double moved_px = 15.0; ///< a shift by more is a moved camera
+
     /// `traffic`: 255 where vehicles move, in the size of the picture.
     explicit Health(const cv::Mat &traffic);
 

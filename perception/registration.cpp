@@ -22,6 +22,8 @@ constexpr double alike = 0.6;
 constexpr double together_px = 0.8;
 constexpr double dead_band_px = 0.35;
 constexpr double farthest = 0.2; ///< a picture that has moved by more of its width is another one
+constexpr double half_agree = 0.5;
+constexpr std::size_t least_pieces = 6;
 constexpr int light_columns = 32;
 constexpr int light_rows = 24;
 
@@ -45,6 +47,8 @@ double top_of(double left, double middle, double right) {
 Registration::Registration(const cv::Mat &traffic) {
     scale_ = std::min(1.0, static_cast<double>(small_width_px) / traffic.cols);
     cv::resize(traffic, traffic_, cv::Size(), scale_, scale_, cv::INTER_NEAREST);
+    cv::resize(traffic, beside_, cv::Size(light_columns, light_rows), 0, 0, cv::INTER_AREA);
+    beside_ = beside_ == 0;
 }
 
 void Registration::capture(const cv::Mat &grey) {
@@ -136,8 +140,7 @@ bool Registration::vote(const cv::Mat &grey, int reach, Result &result) {
 /// Most pieces have gone, with the light of the day or over the border: new ones, from where they are now.
 void Registration::renew_pieces(const cv::Mat &grey, const Result &result) {
     constexpr int patience = 8;
-    constexpr double half = 0.5;
-    few_ = result.sure && result.agreement < half ? few_ + 1 : 0;
+    few_ = result.sure && result.agreement < half_agree ? few_ + 1 : 0;
     if (few_ > patience && cv::norm(last_) < farthest * grey.cols) {
         capture(grey);
         few_ = 0;
@@ -167,26 +170,69 @@ void Registration::follow_gain(const cv::Mat &grey, Result &result) {
     // The factor of the brightness; dark values would hide it behind the offset that keeps their noise small.
     cv::Mat factor;
     cv::log(few + 2.0, factor);
-    if (!before_.empty()) {
-        const cv::Mat change = light - before_;
+    if (!light_.bright.empty()) {
+        const cv::Mat change = light - light_.bright;
         const float common = median_of({change.begin<float>(), change.end<float>()});
-        const cv::Mat step = factor - factor_before_;
+        const cv::Mat step = factor - light_.factor;
         const auto gain = static_cast<double>(median_of({step.begin<float>(), step.end<float>()}));
         const cv::Mat rest = cv::abs(change - common);
         result.gain_step = gain;
         result.change = 100 * cv::mean(rest)[0];
-        gain_ += gain;
+        light_.gain += gain;
     }
-    before_ = std::move(light);
-    factor_before_ = std::move(factor);
-    result.gain = gain_;
+    light_.bright = std::move(light);
+    light_.factor = std::move(factor);
+    result.gain = light_.gain;
+}
+
+void Registration::hold() {
+    held_ = true;
+}
+
+bool Registration::followed() const {
+    return pieces_.size() >= least_pieces;
+}
+
+bool Registration::fits() const {
+    constexpr float other_light = 0.16F; // from there on brightness alone makes a vehicle of road
+    constexpr double most_other = 0.25;  // of the cells: somebody walks there, or leaves move
+    if (!followed() || agreement_ < half_agree || known_.light.bright.empty()) {
+        return false;
+    }
+    const cv::Mat change = light_.bright - known_.light.bright;
+    std::vector<float> beside;
+    for (int r = 0; r < change.rows; ++r) {
+        for (int c = 0; c < change.cols; ++c) {
+            if (beside_.at<uchar>(r, c) != 0) {
+                beside.push_back(change.at<float>(r, c));
+            }
+        }
+    }
+    const float common = median_of(beside);
+    const auto other = std::count_if(beside.begin(), beside.end(),
+                                     [common](float cell) { return std::abs(cell - common) > other_light; });
+    return static_cast<double>(other) <= most_other * static_cast<double>(beside.size());
+}
+
+double Registration::recover() {
+    const cv::Mat step = light_.factor - known_.light.factor;
+    light_.gain = known_.light.gain + static_cast<double>(median_of({step.begin<float>(), step.end<float>()}));
+    held_ = false;
+    return light_.gain;
+}
+
+void Registration::release() {
+    held_ = false;
+    light_.gain = 0;
 }
 
 Registration::Result Registration::follow(const cv::Mat &bgr) {
     constexpr int patience = 4;
-    constexpr std::size_t least_pieces = 6;
     constexpr int again = 100;
     Result result;
+    if (!held_) {
+        known_ = {light_, last_};
+    }
     cv::Mat grey;
     cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
     if (scale_ < 1.0) {
@@ -194,7 +240,7 @@ Registration::Result Registration::follow(const cv::Mat &bgr) {
         cv::resize(grey, shrunk, traffic_.size(), 0, 0, cv::INTER_AREA);
         grey = std::move(shrunk);
     }
-    if (pieces_.size() < least_pieces) {
+    if (!followed()) {
         // A picture without corners cannot be followed; it is looked at again now and then.
         if (astray_++ % again == 0) {
             capture(grey);
@@ -207,12 +253,21 @@ Registration::Result Registration::follow(const cv::Mat &bgr) {
         if (!result.sure && astray_ > patience && astray_ % 4 == 0) {
             result.sure = vote(grey, wide_search_px, result);
         }
+        if (!result.sure && held_) { // wherever a foreign picture has led to
+            const cv::Point2d led = last_;
+            last_ = known_.at;
+            result.sure = vote(grey, search_px, result);
+            last_ = result.sure ? last_ : led;
+        }
         if (result.sure) {
             astray_ = 0;
         }
-        prove_pieces(result.sure);
-        renew_pieces(grey, result);
+        if (!held_) {
+            prove_pieces(result.sure);
+            renew_pieces(grey, result);
+        }
     }
+    agreement_ = result.sure ? result.agreement : 0.0;
     follow_gain(grey, result);
     result.shift_px = last_ / scale_;
     return result;

@@ -9,6 +9,10 @@
 /// are taken anew only when most have gone, from where they are then, so that a long drift cannot run away. A picture
 /// whose pieces are not found again from the start cannot be followed, and is taken to stay where it is.
 /// Gain: median change of the logarithm of grey from frame to frame, summed.
+/// Doubt: after a cut or a long pause hold() keeps pieces, place and light as they were before the last picture, and
+/// nothing that follows may renew them. Then fits() says whether the camera sees again what it saw: half of the pieces
+/// are found about where they were, and beside the lanes the light has not changed but for its brightness. recover()
+/// goes on from there, release() forgets it.
 ///
 /// Owner: the counter. Not thread-safe.
 
@@ -36,10 +40,25 @@ class Registration {
 
     Result follow(const cv::Mat &bgr);
 
+    /// The last picture is in doubt; see above.
+    void hold();
+
+    /// While held: the last picture shows what was seen before it was held.
+    [[nodiscard]] bool fits() const;
+
+    /// What was held is seen again. Returns the gain, since the anchor, without what the pictures of doubt added to it.
+    double recover();
+
+    /// What was held is seen no more: the present brightness is gain 0.
+    void release();
+
+    /// False of a picture that cannot be followed: nobody can say where it is.
+    [[nodiscard]] bool followed() const;
+
     /// The present brightness is gain 0 from here on; returns what it was.
     double rebase() {
-        const double gain = gain_;
-        gain_ = 0;
+        const double gain = light_.gain;
+        light_.gain = 0;
         return gain;
     }
 
@@ -47,6 +66,16 @@ class Registration {
     struct Piece {
         cv::Point at;
         cv::Mat look;
+    };
+
+    struct Light {
+        cv::Mat bright;    ///< logarithm of grey, in cells, at the place of the anchor
+        cv::Mat factor;    ///< the same with an offset that leaves the factor of the dark
+        double gain = 0.0; ///< logarithm of the brightness, since the anchor
+    };
+    struct Known {
+        Light light;
+        cv::Point2d at; ///< shift in small pixels, since the anchor
     };
 
     void capture(const cv::Mat &grey);
@@ -60,13 +89,15 @@ class Registration {
     std::vector<Piece> pieces_;
     cv::Point2d base_; ///< shift at which the pieces were taken, in small pixels
     cv::Point2d last_; ///< shift in small pixels, since the anchor
-    cv::Mat before_;
-    cv::Mat factor_before_;
-    double gain_ = 0.0;
-    int astray_ = 0; ///< frames without agreement
-    int tried_ = 0;  ///< frames since the pieces were taken
-    int found_ = 0;  ///< ... in which they agreed
-    int few_ = 0;    ///< frames in which few pieces agreed
+    cv::Mat beside_;   ///< 255 in the cells of the light beside the lanes
+    Light light_;      ///< of the last picture
+    Known known_;      ///< what was seen before the last picture, or before it was held
+    bool held_ = false;
+    double agreement_ = 0.0; ///< of the last picture; 0: nobody agreed
+    int astray_ = 0;         ///< frames without agreement
+    int tried_ = 0;          ///< frames since the pieces were taken
+    int found_ = 0;          ///< ... in which they agreed
+    int few_ = 0;            ///< frames in which few pieces agreed
 };
 
 } // namespace elmopp

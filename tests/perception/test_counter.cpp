@@ -19,6 +19,7 @@ namespace {
 
 using elmopp::Counter;
 using elmopp::Direction;
+using elmopp::Reason;
 using elmopp::Record;
 using elmopp::Scene;
 using elmopp::SceneCar;
@@ -197,6 +198,131 @@ void a_queue_that_builds_up_is_kept_for_90_seconds() {
     TEST_ASSERT_EQUAL_INT64(0, counter.record().lanes[0].arrived_total);
 }
 
+enum class Blind { black, frozen, turned, gone };
+
+/// A camera that learns an empty road, sees a fault for so long, and has a queue on line and zone of two lanes when it
+/// sees again: believed 5 s later and from then on, and right about who is there. What is seen has `light` by then.
+void expect_recovery(Blind blind, double blind_s, double light, const char *what) {
+    constexpr double slow_rate = 5.0;
+    constexpr double from_s = 8.0;
+    constexpr double within_s = 5.0;
+    Scene scene(picture, lane_count, 1);
+    Counter counter(scene.lanes(line_m, 45, Direction::down));
+    std::vector<SceneCar> standing = queue({4, 4, 0});
+    for (SceneCar &car : standing) {
+        car.at_m -= 2.5; // the first of each lane is on the line
+    }
+    cv::Mat last;
+    const int end = static_cast<int>((from_s + blind_s + 2 * within_s) * slow_rate);
+    for (int i = 0; i < end; ++i) {
+        const double t_s = i / slow_rate;
+        const double seeing_s = t_s - from_s - blind_s;
+        const std::string text = std::string(what) + ", " + std::to_string(seeing_s) + " s: ";
+        if (seeing_s < 0 && t_s >= from_s) {
+            if (blind == Blind::gone) {
+                counter.miss(t_s);
+            } else if (blind == Blind::turned) {
+                cv::Mat elsewhere;
+                cv::flip(scene.draw({}), elsewhere, -1);
+                counter.feed(elsewhere, t_s);
+            } else {
+                counter.feed(blind == Blind::black ? cv::Mat::zeros(picture, CV_8UC3) : last, t_s);
+            }
+        } else {
+            scene.light = t_s < from_s ? 1.0 : light;
+            last = scene.draw(t_s < from_s ? std::vector<SceneCar>{} : standing);
+            counter.feed(last, t_s);
+        }
+        const Record now = counter.glance();
+        for (std::size_t lane = 0; lane < now.lanes.size(); ++lane) {
+            const auto &one = now.lanes[lane];
+            const std::string said = text + elmopp::reason_name(one.reason) + " " + std::to_string(*one.present);
+            TEST_ASSERT_FALSE_MESSAGE(one.valid && t_s > from_s + within_s && seeing_s < 0, said.c_str());
+            TEST_ASSERT_TRUE_MESSAGE(one.valid || seeing_s < within_s, said.c_str());
+            if (seeing_s >= within_s) {
+                TEST_ASSERT_INT_WITHIN_MESSAGE(lane < 2 ? 1 : 0, lane < 2 ? 4 : 0, *one.present, said.c_str());
+                TEST_ASSERT_EQUAL_INT64_MESSAGE(0, one.arrived_total, said.c_str());
+            }
+        }
+    }
+}
+
+void a_camera_that_sees_again_is_believed_while_a_queue_stands() {
+    for (const double blind_s : {20.0, 90.0}) {
+        expect_recovery(Blind::black, blind_s, 1.0, "black");
+        expect_recovery(Blind::frozen, blind_s, 1.0, "frozen");
+        expect_recovery(Blind::turned, blind_s, 1.0, "turned");
+        expect_recovery(Blind::gone, blind_s, 1.0, "gone");
+    }
+}
+
+void what_was_learnt_is_believed_in_other_brightness_too() {
+    expect_recovery(Blind::black, 20, 0.6, "black, darker");
+    expect_recovery(Blind::turned, 90, 0.6, "turned, darker");
+    expect_recovery(Blind::gone, 90, 1.5, "gone, lighter");
+}
+
+/// An empty road, no picture for `gone_s`, then the road changed by `change`: what is said in the first 5 s and at
+/// their end.
+struct Return {
+    bool ever_learning = false;
+    bool ever_valid = false;
+    Reason at_end = Reason::ok;
+};
+
+Return after_a_pause(double gone_s, const Change &change) {
+    constexpr double slow_rate = 10.0;
+    constexpr int seen = 80; // pictures
+    constexpr int looks = 55;
+    Scene scene(picture, lane_count, 1);
+    Counter counter(scene.lanes(line_m, 45, Direction::down));
+    for (int i = 0; i < seen; ++i) {
+        counter.feed(scene.draw({}), i / slow_rate);
+    }
+    const double back_s = seen / slow_rate + gone_s;
+    counter.miss(back_s - 1 / slow_rate);
+    Return said;
+    for (int i = 0; i < looks; ++i) {
+        cv::Mat frame = scene.draw({});
+        change(frame, i);
+        counter.feed(frame, back_s + i / slow_rate);
+        const auto now = counter.glance().lanes[0];
+        said.ever_learning = said.ever_learning || now.reason == Reason::learning;
+        said.ever_valid = said.ever_valid || now.valid;
+        said.at_end = now.reason;
+    }
+    return said;
+}
+
+void after_ten_minutes_or_in_another_light_the_road_is_learnt_anew() {
+    const auto same = [](cv::Mat &, int) {};
+    const auto half_in_shade = [](cv::Mat &frame, int) {
+        cv::Mat left = frame.colRange(0, frame.cols / 2);
+        left.convertTo(left, -1, 0.5);
+    };
+    TEST_ASSERT_FALSE(after_a_pause(540, same).ever_learning);
+    TEST_ASSERT_TRUE(after_a_pause(660, same).ever_learning);
+    TEST_ASSERT_FALSE(after_a_pause(90, same).ever_learning);
+    const Return shaded = after_a_pause(90, half_in_shade);
+    TEST_ASSERT_TRUE(shaded.ever_learning);
+    TEST_ASSERT_EQUAL_INT(static_cast<int>(Reason::ok), static_cast<int>(shaded.at_end));
+}
+
+void a_camera_that_was_moved_while_it_was_blind_is_not_believed_on_the_old_road() {
+    const auto move_by = [](double right_px) {
+        return [right_px](cv::Mat &frame, int) {
+            const cv::Matx23d move(1, 0, right_px, 0, 1, 0);
+            cv::warpAffine(frame.clone(), frame, move, frame.size(), cv::INTER_LINEAR, cv::BORDER_REFLECT);
+        };
+    };
+    const auto turn = [](cv::Mat &frame, int) { cv::flip(frame.clone(), frame, -1); };
+    const Return shifted = after_a_pause(90, move_by(25));
+    TEST_ASSERT_FALSE(shifted.ever_valid);
+    TEST_ASSERT_EQUAL_INT(static_cast<int>(Reason::moved), static_cast<int>(shifted.at_end));
+    TEST_ASSERT_FALSE(after_a_pause(90, move_by(90)).ever_valid);
+    TEST_ASSERT_FALSE(after_a_pause(90, turn).ever_valid);
+}
+
 void a_start_with_a_queue_is_said_and_counted_all_the_same() {
     Scene scene(picture, lane_count, 1);
     Counter counter(scene.lanes(line_m, 45, Direction::down));
@@ -359,6 +485,10 @@ int main() {
     RUN_TEST(vehicles_against_the_direction_do_not_count);
     RUN_TEST(a_vehicle_that_rocks_on_the_line_is_one);
     RUN_TEST(a_queue_that_builds_up_is_kept_for_90_seconds);
+    RUN_TEST(a_camera_that_sees_again_is_believed_while_a_queue_stands);
+    RUN_TEST(what_was_learnt_is_believed_in_other_brightness_too);
+    RUN_TEST(after_ten_minutes_or_in_another_light_the_road_is_learnt_anew);
+    RUN_TEST(a_camera_that_was_moved_while_it_was_blind_is_not_believed_on_the_old_road);
     RUN_TEST(a_start_with_a_queue_is_said_and_counted_all_the_same);
     RUN_TEST(an_empty_road_is_empty_and_valid);
     RUN_TEST(a_reference_picture_spares_the_learning);
