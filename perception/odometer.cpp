@@ -45,6 +45,7 @@ struct Fit {
     double rows = 0.0;
     double at_rest = 0.0; ///< misfit of no shift at all
     bool sure = false;
+    bool back = false; ///< it fits best backwards, but not so that it is sure how far
 };
 
 Fit best_fit(const cv::Mat &now, const cv::Mat &now_mask, const cv::Mat &old, const cv::Mat &old_mask, double quiet) {
@@ -88,6 +89,7 @@ Fit best_fit(const cv::Mat &now, const cv::Mat &now_mask, const cv::Mat &old, co
             }
         }
     }
+    result.back = !result.sure && best < 0 && at(best) < clear_minimum * usual;
     return result;
 }
 
@@ -142,6 +144,9 @@ bool Odometer::measure(const cv::Mat &few, const cv::Mat &few_mask, float noise,
     }
     if (fit.sure && usual_ > 0) {
         step_.progress = std::clamp(step_.rows / (usual_ * dt_s), -1.5, 2.0);
+    }
+    if (fit.back) {
+        step_.progress = -1.0;
     }
     if (step_.still) {
         step_.progress = 0;

@@ -6,7 +6,9 @@
 /// are held against is kept until something has moved away from it, or for a quarter of a second: who creeps moves by
 /// less than a row a frame, the less the more frames there are.
 ///
-/// It is sure, or it is not: then a lane is taken to move at its usual speed, which it learns. Owner: a section.
+/// It is sure, or it is not: then a lane is taken to move at its usual speed, which it learns, and forwards, unless the
+/// shift that fits best is backwards and fits clearly better than most. So a vehicle whose steps are too short to be
+/// sure of, and who rocks by many of them, comes to nothing too. Owner: a section.
 
 #pragma once
 
@@ -19,7 +21,7 @@ namespace elmopp {
 class Odometer {
   public:
     struct Step {
-        double progress = 1.0; ///< speed as a share of the usual one; 1 if it is not known
+        double progress = 1.0; ///< speed as a share of the usual one; 1 if it is not known, -1 if only that it is back
         double rows = 0.0;     ///< moved, forwards positive
         bool sure = false;     ///< `rows` was measured
         double net = 1.0;      ///< progress, averaged: near 0 for who stands or rocks
