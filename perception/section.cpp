@@ -36,6 +36,13 @@ double lane_of_column(double column) {
     return (column - patch_margin) / patch_unit;
 }
 
+/// Share of these columns that is covered behind the line, less that before it: -1 to 1.
+double behind_line(const cv::Mat &object, int first, int last) {
+    const cv::Mat mine = object.colRange(first, last + 1);
+    const int middle = object.rows / 2;
+    return (cv::mean(mine.rowRange(middle, object.rows))[0] - cv::mean(mine.rowRange(0, middle))[0]) / 255;
+}
+
 } // namespace
 
 Section::Section(const std::vector<Lane> &lanes, cv::Size picture, const Settings &settings)
@@ -82,13 +89,13 @@ cv::Mat Section::line_row(const cv::Mat &object, double dt_s) {
     cv::reduce(object.rowRange(middle - half, middle + half + 1), mean, 0, cv::REDUCE_AVG, CV_32F);
     cv::blur(mean, mean, cv::Size(3, 1));
     const auto many = static_cast<std::size_t>(std::max(1.0, std::round(smooth_s / dt_s)));
-    rows_.back().first = mean;
+    rows_.back().mean = mean;
     while (rows_.size() > many) {
         rows_.pop_front();
     }
     cv::Mat sum = cv::Mat::zeros(mean.size(), CV_32F);
     for (const auto &row : rows_) {
-        sum += row.first;
+        sum += row.mean;
     }
     return sum > settings_.covered * 255.0 * static_cast<double>(rows_.size());
 }
@@ -104,14 +111,13 @@ void Section::feed(const Background::Sample &sample, std::int64_t frame, double 
         odometers_[lane].feed(change.colRange(columns), seen_.object.colRange(columns), background_.noise(), dt_s);
     }
     guess_typical();
-    rows_.emplace_back(cv::Mat(), std::make_pair(frame, t_s));
+    rows_.push_back({cv::Mat(), seen_.object, frame, t_s});
     const cv::Mat row = line_row(seen_.object, dt_s);
-    const auto &when = rows_[rows_.size() / 2].second;
-    grow(row, when.first, when.second);
+    grow(row, rows_[rows_.size() / 2]);
     settle(t_s);
 }
 
-void Section::grow(const cv::Mat &row, std::int64_t frame, double t_s) {
+void Section::grow(const cv::Mat &row, const Row &seen) {
     const int beyond = static_cast<int>(outside * patch_unit);
     const int from = patch_margin - beyond;
     const int to = row.cols - patch_margin + beyond;
@@ -183,7 +189,8 @@ void Section::grow(const cv::Mat &row, std::int64_t frame, double t_s) {
             blob.position += progress;
             stepped[tip] = true;
         }
-        blob.runs.push_back({blob.position, progress, frame, t_s, run.first, run.second});
+        blob.runs.push_back({blob.position, progress, seen.frame, seen.t_s, run.first, run.second,
+                             behind_line(seen.object, run.first, run.second)});
         for (std::size_t lane = 0; lane < lanes_.size(); ++lane) {
             const int middle = patch_margin + static_cast<int>(lane) * patch_unit + patch_unit / 2;
             if (run.first <= middle && middle <= run.second && odometers_[lane].last().sure) {
@@ -285,6 +292,39 @@ int Section::join_short(cv::Mat &labels, int many) const {
     return many;
 }
 
+/// How far what is covered went over from before the line to behind it while the blob was on the line: the slope over
+/// time, by least squares, times the time. Who drives through has 0.5 to 2, against the lane -0.5 to -2; who stands or
+/// rocks has about 0, and a blob of one frame has 0.
+double Section::passage(const Blob &blob) {
+    const auto many = static_cast<double>(blob.runs.size());
+    double mean_s = 0;
+    double mean = 0;
+    double first_s = std::numeric_limits<double>::max();
+    double last_s = std::numeric_limits<double>::lowest();
+    for (const Run &run : blob.runs) {
+        mean_s += run.t_s / many;
+        mean += run.behind / many;
+        first_s = std::min(first_s, run.t_s);
+        last_s = std::max(last_s, run.t_s);
+    }
+    double both = 0;
+    double spread = 0;
+    for (const Run &run : blob.runs) {
+        both += (run.t_s - mean_s) * (run.behind - mean);
+        spread += (run.t_s - mean_s) * (run.t_s - mean_s);
+    }
+    return spread > 0 ? both / spread * (last_s - first_s) : 0.0;
+}
+
+/// Whether the blob crossed against the lane. The odometer is seldom sure of who is smooth or fast; those are told by
+/// the side that they come from.
+bool Section::against(const Blob &blob) {
+    constexpr double least_passage = 0.3;
+    // One false step may be longer than all true ones.
+    const bool measured = blob.moved < -0.25 * patch_unit && blob.backwards > 1 && blob.backwards > blob.forwards;
+    return measured || passage(blob) < -least_passage;
+}
+
 void Section::end(Blob &blob) {
     if (blob.runs.empty()) {
         return;
@@ -300,9 +340,7 @@ void Section::end(Blob &blob) {
     for (int label = 1; label <= many; ++label) {
         parts_of(labels, label, row_runs, left, scale, parts);
     }
-    // One false step may be longer than all true ones.
-    const bool backwards = blob.moved < -0.25 * patch_unit && blob.backwards > 1 && blob.backwards > blob.forwards;
-    if (!backwards) {
+    if (!against(blob)) {
         for (Part &part : parts) {
             waiting_.push_back(part);
         }

@@ -10,6 +10,9 @@
 /// Progress, not time: a row counts for as much as the lane has moved (Odometer). While a lane stands, its blobs
 /// neither grow nor end, so that a vehicle that stops on the line, flickers or rocks there is one vehicle.
 ///
+/// Direction: a blob that comes from behind the line and leaves before it does not count, nor does one that the
+/// odometer has seen move backwards.
+///
 /// A crossing is reported when its blob has ended, about half a vehicle after it. Owner: the counter. Not thread-safe.
 
 #pragma once
@@ -82,6 +85,13 @@ class Section {
         double t_s;
         int first;
         int last;
+        double behind; ///< share of these columns that is covered behind the line, less that before it
+    };
+    struct Row {
+        cv::Mat mean;   ///< of the mask at the line
+        cv::Mat object; ///< the mask
+        std::int64_t frame;
+        double t_s;
     };
     struct Blob {
         std::vector<Run> runs;
@@ -106,9 +116,11 @@ class Section {
     };
 
     cv::Mat line_row(const cv::Mat &object, double dt_s);
-    void grow(const cv::Mat &row, std::int64_t frame, double t_s);
+    void grow(const cv::Mat &row, const Row &seen);
     int join_short(cv::Mat &labels, int many) const;
     void end(Blob &blob);
+    [[nodiscard]] static double passage(const Blob &blob);
+    [[nodiscard]] static bool against(const Blob &blob);
     cv::Mat draw(const Blob &blob, double scale, std::vector<const Run *> &row_runs, int &left) const;
     bool side_by_side(const cv::Mat &mine, const cv::Rect &box, const std::vector<const Run *> &row_runs, int left,
                       const Part &whole, std::vector<Part> &parts) const;
@@ -126,7 +138,7 @@ class Section {
     Background background_;
     std::vector<Odometer> odometers_;
     Background::Seen seen_;
-    std::deque<std::pair<cv::Mat, std::pair<std::int64_t, double>>> rows_; ///< to be averaged over time
+    std::deque<Row> rows_; ///< to be averaged over time
     std::vector<Blob> blobs_;
     std::vector<std::pair<std::size_t, std::pair<int, int>>> tips_; ///< blob and columns of the last row
     std::vector<Part> waiting_;

@@ -225,6 +225,10 @@ def test_copies_of_a_clip_have_the_truth_of_what_they_show(tmp_path: Path, capsy
     assert score_counter.main([*asked, "--copies", "third,mirrored,turned"]) == 0
     for kind, pool in json.loads(out.read_text())["copies"].items():
         assert pool["f1"] > 0.8, (kind, pool)
+    assert score_counter.main([*asked, "--copies", "against"]) == 0
+    against = json.loads(out.read_text())["copies"]["against"]
+    assert against["counted"] == 0
+    assert against["of"] > 10
     assert score_counter.main([*asked, "--copies", "upside"]) == 2
     assert "upside" in capsys.readouterr().err
     truth = json.loads((folder / "up.json").read_text())
@@ -232,5 +236,6 @@ def test_copies_of_a_clip_have_the_truth_of_what_they_show(tmp_path: Path, capsy
     assert backwards["lanes"][0]["direction"] == "down"
     forwards = clip_copies.changed_truth(backwards, "reversed")["crossings"]
     assert sorted(forwards, key=in_time) == sorted(truth["crossings"], key=in_time)
+    assert clip_copies.changed_truth(truth, "against")["lanes"] == truth["lanes"]
     stopped = clip_copies.changed_truth(truth, "stopped")
     assert stopped["crossings"][-1]["frame"] == truth["crossings"][-1]["frame"] + clip_copies.STOPPED_FRAMES

@@ -19,7 +19,7 @@ from typing import Any
 
 KINDS = (
     "noise", "light", "dark", "dusk", "fog", "blur", "shake", "drift", "compressed", "half", "third", "mirrored",
-    "turned", "small", "reversed", "stopped",
+    "turned", "small", "reversed", "stopped", "against",
 )  # fmt: skip
 
 STOPPED_FRAMES = 900  # of copy_clip
@@ -69,6 +69,14 @@ def _stopped(truth: Truth) -> None:
     truth["count_to"] += STOPPED_FRAMES
 
 
+def _against(truth: Truth) -> None:
+    """The clip backwards with the lanes as they are: nobody crosses in their direction."""
+    for key in ("crossings", "uncertain", "present"):
+        truth[key] = []
+    truth["total"], truth["totals"] = 0, {}
+    truth["count_from"], truth["count_to"] = 0, truth["frames"] - 1
+
+
 def stop_frame(truth: Mapping[str, Any]) -> int:
     """Where a clip is stopped: with the vehicle on the line that is in the middle of its list."""
     crossings = truth["crossings"]
@@ -92,6 +100,8 @@ def changed_truth(truth: Mapping[str, Any], kind: str) -> Truth:
         _reversed(new)
     elif kind == "stopped":
         _stopped(new)
+    elif kind == "against":
+        _against(new)
     return new
 
 
@@ -109,7 +119,8 @@ def program() -> Path:
 def copy_clip(video: Path, truth: Mapping[str, Any], kind: str, folder: Path, name: str) -> None:
     """Writes NAME.avi and NAME.json, a copy of a clip, into a folder."""
     out = folder / f"{name}.avi"
-    command = [str(program()), str(video), str(out), kind, str(stop_frame(truth))]
+    pictures = "reversed" if kind == "against" else kind
+    command = [str(program()), str(video), str(out), pictures, str(stop_frame(truth))]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise CopyError(f"{video}: cannot be copied as {kind}: {done.stderr.strip()}")
