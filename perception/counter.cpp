@@ -173,6 +173,7 @@ struct Counter::Impl {
     void keep_or_count(Road &road, const Kept &kept);
     void count(Road &road, const Kept &kept);
     void collect(Road &road);
+    void close();
     void learn_anew();
     void begin_lesson();
     void learn_more(int pixels);
@@ -319,8 +320,8 @@ void Counter::Impl::keep_or_count(Road &road, const Kept &kept) {
     collect(road);
 }
 
-/// The scene is another one. What is still kept is counted on the road as it was.
-void Counter::Impl::learn_anew() {
+/// What is still kept is counted on the road as it is, and what is on the line ends.
+void Counter::Impl::close() {
     for (Road &road : roads) {
         if (!learning) {
             for (const Kept &kept : road.kept) {
@@ -331,6 +332,11 @@ void Counter::Impl::learn_anew() {
         collect(road);
         road.kept.clear();
     }
+}
+
+/// The scene is another one.
+void Counter::Impl::learn_anew() {
+    close();
     for (Zone &zone : zones) {
         zone.kept.clear();
     }
@@ -586,13 +592,15 @@ void Counter::miss(double t_s) {
 void Counter::finish() {
     constexpr std::size_t least = 3;
     Impl &my = *impl_;
+    const bool was_learning = my.learning;
     if (my.learning && my.roads.front().kept.size() >= least) {
         if (!my.lesson) {
             my.begin_lesson();
         }
         my.learn_more(std::numeric_limits<int>::max());
     }
-    my.learn_anew();
+    my.close();
+    my.learning = was_learning; // the last record is of a second in which it was so
 }
 
 std::vector<Crossing> Counter::take_crossings() {

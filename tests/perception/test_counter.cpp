@@ -320,6 +320,29 @@ void a_vehicle_inside_the_junction_is_said_and_nothing_else_is() {
     TEST_ASSERT_FALSE(film(40, 42, {}).occupied);
 }
 
+/// The end of a video is no fault of the camera: what was believed in its last second still is, and what was not is
+/// not.
+void the_last_record_is_as_things_were_in_the_last_second() {
+    Scene scene(picture, lane_count, 1);
+    const SceneFlow flow = some_flow();
+    for (const int frames : {50, 150}) {
+        Counter counter(scene.lanes(line_m, 0, Direction::down));
+        for (int i = 0; i < frames; ++i) {
+            counter.feed(scene.draw(flow.at(i / rate)), i / rate);
+        }
+        const Record before = counter.record();
+        counter.finish();
+        const Record last = counter.record();
+        for (std::size_t lane = 0; lane < lane_count; ++lane) {
+            TEST_ASSERT_EQUAL(frames == 150, last.lanes[lane].valid);
+            TEST_ASSERT_EQUAL_INT(static_cast<int>(before.lanes[lane].reason),
+                                  static_cast<int>(last.lanes[lane].reason));
+            TEST_ASSERT_EQUAL_DOUBLE(before.lanes[lane].confidence, last.lanes[lane].confidence);
+        }
+        TEST_ASSERT_GREATER_OR_EQUAL_INT64(before.lanes[1].arrived_total, last.lanes[1].arrived_total);
+    }
+}
+
 void totals_are_the_sum_of_inflows_and_never_decrease() {
     Scene scene(picture, lane_count, 1);
     const SceneFlow flow = some_flow();
@@ -365,6 +388,7 @@ int main() {
     RUN_TEST(what_a_finder_finds_is_counted_by_the_same_lines_and_zones);
     RUN_TEST(a_zone_with_slanted_ends_holds_no_more_vehicles_than_a_straight_one);
     RUN_TEST(a_vehicle_inside_the_junction_is_said_and_nothing_else_is);
+    RUN_TEST(the_last_record_is_as_things_were_in_the_last_second);
     RUN_TEST(totals_are_the_sum_of_inflows_and_never_decrease);
     return UNITY_END();
 }
