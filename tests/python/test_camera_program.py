@@ -72,6 +72,9 @@ def test_records_come_once_a_second_and_keep_their_schema(clips: Path, lanes: Pa
     lines = [json.loads(line) for line in records.read_text().splitlines()]
     for line in lines:
         jsonschema.validate(line, RECORD)
+    reasons = [lane["reason"] for line in lines[4:] for lane in line["lanes"].values()]
+    assert set(reasons) == {"ok"}, "of the last record, too"
+    assert all(lane["valid"] and lane["confidence"] >= 0.5 for lane in lines[-1]["lanes"].values())
     assert [round(line["t_s"]) for line in lines[:SECONDS]] == list(range(SECONDS))
     for lane in ("lane0", "lane1", "lane2"):
         totals = [line["lanes"][lane]["arrived_total"] for line in lines]
@@ -152,6 +155,60 @@ def test_what_cannot_be_run_is_refused_in_one_line(clips: Path, lanes: Path, tmp
         lines = [line for line in done.stderr.splitlines() if line.startswith("elmopp-camera: ")]
         assert (done.returncode, len(lines)) == (2, 1), (arguments, done.stderr)
         assert word in lines[0]
+
+
+def test_a_source_that_can_never_run_is_refused_in_one_line(lanes: Path) -> None:
+    sources = [
+        ("gst:", "appsink"),
+        ("gst:videotestsrc ! fakesink", "appsink"),
+        ("gst:nonsense ! appsink", 'no element "nonsense"'),
+        ("gst:videotestsrc ! appsink !", "syntax"),
+        ("v4l2:x", "v4l2:0"),
+        ("/dev/videos", "v4l2:0"),
+        ("rtsp://", "names no host"),
+        ("http://:80/stream", "names no host"),
+        ("udp://", "names no port"),
+    ]
+    for source, word in sources:
+        done = camera("--source", source, "--lanes", lanes, "--jsonl", "-", "--seconds", 1)
+        assert (done.returncode, done.stdout, len(done.stderr.splitlines())) == (2, "", 1), (source, done.stderr)
+        assert source in done.stderr
+        assert word in done.stderr
+    done = camera("--source", "rtsp://me:secret@/stream", "--lanes", lanes)
+    assert done.returncode == 2
+    assert "secret" not in done.stderr
+
+
+def test_a_camera_that_is_not_there_yet_is_said_once_and_lost(lanes: Path) -> None:
+    done = camera("--source", "/dev/video77", "--lanes", lanes, "--jsonl", "-", "--seconds", 2.2)
+    assert (done.returncode, len(done.stderr.splitlines())) == (0, 1), done.stderr
+    assert "/dev/video77: does not open" in done.stderr
+    records = [json.loads(line) for line in done.stdout.splitlines()]
+    assert {lane["reason"] for record in records for lane in record["lanes"].values()} == {"lost"}
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+def test_a_line_that_cannot_be_written_ends_the_run(clips: Path, lanes: Path) -> None:
+    for option in ("--jsonl", "--crossings", "--timing"):
+        done = camera("--source", clips / "plain.avi", "--lanes", lanes, option, "/dev/full")
+        assert (done.returncode, len(done.stderr.splitlines())) == (1, 1), (option, done.stderr)
+        assert f"{option} /dev/full: could not be written: No space left" in done.stderr
+    with Path("/dev/full").open("w") as full:
+        command = [CAMERA, "--source", str(clips / "plain.avi"), "--lanes", str(lanes), "--jsonl", "-"]
+        assert subprocess.run(command, stdout=full, stderr=subprocess.DEVNULL, check=False).returncode == 1
+
+
+def test_a_reference_is_refused_for_what_it_is(clips: Path, lanes: Path, tmp_path: Path) -> None:
+    (tmp_path / "text.png").write_text("no picture")
+    Image.new("RGB", (100, 50)).save(tmp_path / "small.png")
+    words = {"gone.png": "is missing", "text.png": "no picture", "small.png": "100 x 50"}
+    for name, word in words.items():
+        spoilt = tmp_path / "spoilt.lanes"
+        spoilt.write_text(json.dumps({**json.loads(lanes.read_text()), "reference": name}))
+        done = camera("--source", clips / "plain.avi", "--lanes", spoilt)
+        assert (done.returncode, len(done.stderr.splitlines())) == (2, 1), done.stderr
+        assert name in done.stderr
+        assert word in done.stderr
 
 
 def test_the_drawn_clip_is_scored(clips: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
