@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 #
-# The camera room's tests. They draw their own scenes; clips with counted truth are scored where a folder of them is named
-# by ELMOPP_CLIPS (option or environment).
+# The camera room's tests. They draw their own scenes; clips with counted truth are scored where there is a folder of
+# them: ../shared/video, or the one that ELMOPP_CLIPS names (option or environment).
 
 set(ELMOPP_CLIPS "$ENV{ELMOPP_CLIPS}" CACHE PATH "Folder of clips with counted truth, for the test camera_clips")
 
