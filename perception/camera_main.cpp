@@ -25,6 +25,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
@@ -57,8 +58,24 @@ struct CameraRequest {
     std::string crossings;
     std::string timing;
     std::vector<std::string> tries;
-    double seconds = 0.0;
+    std::string seconds; ///< empty: without an end
 };
+
+/// As strtod reads it; 0 if that is not all of the text.
+double number_of(const std::string &text) {
+    char *end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    return text.empty() || *end != '\0' || !std::isfinite(number) ? 0.0 : number;
+}
+
+/// When to end; 0: never.
+double end_s(const std::string &seconds) {
+    const double number = number_of(seconds);
+    if (!seconds.empty() && number <= 0) {
+        throw BadRequest("--seconds " + seconds + ": right would be a number above 0");
+    }
+    return number;
+}
 
 /// The defaults, but for those that are tried.
 Settings settings_of(const CameraRequest &request) {
@@ -66,10 +83,8 @@ Settings settings_of(const CameraRequest &request) {
     for (const std::string &one : request.tries) {
         const std::size_t equals = one.find('=');
         double *const setting = setting_named(settings, one.substr(0, equals));
-        char *end = nullptr;
-        const std::string value = equals == std::string::npos ? "" : one.substr(equals + 1);
-        const double number = std::strtod(value.c_str(), &end);
-        if (setting == nullptr || value.empty() || *end != '\0' || !(number > 0)) {
+        const double number = equals == std::string::npos ? 0.0 : number_of(one.substr(equals + 1));
+        if (setting == nullptr || number <= 0) {
             throw BadRequest("--try " + one + ": right would be NAME=VALUE with a name from perception/settings.hpp");
         }
         *setting = number;
@@ -189,8 +204,8 @@ class CameraProgram {
   public:
     explicit CameraProgram(const CameraRequest &request)
         : request_(request), file_(read_lane_file(request.lanes)), counter_(file_, settings_of(request)), bus_(file_),
-          jsonl_("--jsonl", request.jsonl), crossings_("--crossings", request.crossings),
-          timing_("--timing", request.timing) {
+          end_s_(end_s(request.seconds)), jsonl_("--jsonl", request.jsonl),
+          crossings_("--crossings", request.crossings), timing_("--timing", request.timing) {
         for (const std::string &warning : lane_file_warnings(file_)) {
             say(camera_program, request.lanes + ": " + warning);
         }
@@ -299,6 +314,7 @@ class CameraProgram {
     LaneFile file_;
     Counter counter_;
     CameraBus bus_;
+    double end_s_;
     Lines jsonl_;
     Lines crossings_;
     Lines timing_;
@@ -347,7 +363,7 @@ void CameraProgram::run_file() {
         draw(frame);
         clock_.end();
         clock_.begin();
-        if (request_.seconds > 0 && frame.t_s >= request_.seconds) {
+        if (end_s_ > 0 && frame.t_s >= end_s_) {
             break;
         }
     }
@@ -358,8 +374,7 @@ void CameraProgram::run_file() {
     tell_crossings();
     tell(0, 0);
     constexpr double whole = 0.95;
-    if (stop_asked == 0 && request_.seconds <= 0 &&
-        static_cast<double>(frames) < whole * static_cast<double>(video.promised())) {
+    if (stop_asked == 0 && end_s_ <= 0 && static_cast<double>(frames) < whole * static_cast<double>(video.promised())) {
         say(camera_program, request_.source + ": ends after " + std::to_string(frames) + " of " +
                                 std::to_string(video.promised()) + " frames, it is damaged or cut short");
     }
@@ -418,7 +433,7 @@ void CameraProgram::run_live() {
             worst_ms_ = 0;
             next_s += second_s * (1 + std::floor(now_s - next_s));
         }
-        if (request_.seconds > 0 && now_s >= request_.seconds) {
+        if (end_s_ > 0 && now_s >= end_s_) {
             break;
         }
     }
@@ -442,7 +457,7 @@ void describe_camera(CLI::App &app, CameraRequest &request) {
     app.add_option("--crossings", request.crossings, "File for each crossing as a line of JSON; - is stdout");
     app.add_option("--timing", request.timing, "File for what the program cost, for tools/score-counter");
     app.add_option("--try", request.tries, "NAME=VALUE in place of a default, for tools/score-counter --leave-one-out");
-    app.add_option("--seconds", request.seconds, "End after so long")->check(CLI::PositiveNumber);
+    app.add_option("--seconds", request.seconds, "End after so long");
 }
 
 void run_camera(const CameraRequest &request) {

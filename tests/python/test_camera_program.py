@@ -148,6 +148,8 @@ def test_what_cannot_be_run_is_refused_in_one_line(clips: Path, lanes: Path, tmp
         (("--source", video, "--lanes", lanes, "--jsonl", "no/folder/x"), "no/folder/x"),
         (("--source", video, "--lanes", lanes, "--can", "nocan9"), "nocan9"),
         (("--source", video, "--lanes", lanes, "--try", "nek=0.7"), "nek=0.7"),
+        (("--source", video, "--lanes", lanes, "--seconds", 0), "--seconds 0: right would be a number above 0"),
+        (("--source", video, "--lanes", lanes, "--seconds", "soon"), "--seconds soon: right would be a number above 0"),
         (("--lanes", lanes), "--source"),
     ]
     for arguments, word in requests:
