@@ -268,7 +268,7 @@ def test_a_spoilt_truth_file_is_refused_before_anything_runs(
 ) -> None:
     truth = json.loads((clips / "plain.json").read_text())
     out = tmp_path / "out"
-    for path, value, words in [
+    cases: list[tuple[list[Any], object, list[str]]] = [
         (["lanes"], 7, ["lanes is 7", "a list"]),
         (["lanes"], [{}], ["lanes[0]", "name is missing"]),
         (["lanes", 0], 7, ["lanes[0] is 7"]),
@@ -283,7 +283,8 @@ def test_a_spoilt_truth_file_is_refused_before_anything_runs(
         (["crossings", 0], {"frame": 3, "lane": "nobody"}, ["crossings[0]"]),
         (["present"], [{"frame": 0, "nobody": 1}], ["present[0]"]),
         (["frame_tolerance"], None, ["frame_tolerance"]),
-    ]:
+    ]
+    for path, value, words in cases:
         spoilt = tmp_path / "spoilt"
         spoilt.mkdir(exist_ok=True)
         (spoilt / "z.json").write_text(json.dumps(changed(truth, path, value)))
