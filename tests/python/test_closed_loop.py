@@ -22,6 +22,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("ELMOPP_CLOSED_LOOP", str(ROOT / "build" / "release" / "bin" / "elmopp-closed-loop"))
 RED, RED_AMBER, GREEN, AMBER, FLASH = "1", "2", "3", "4", "5"
+LANE_ERROR = 0.055  # four minutes of headlights, the worst: 13 wrong of 245, and two vehicles more
 START_UP_TICKS = 400  # more than these sites need
 
 
@@ -276,7 +277,8 @@ def test_all_cameras_count_in_every_scene(tmp_path: Path, scene: str) -> None:
     site = ROOT / "sites" / "four_way.toml"
     result, street = run(tmp_path / "out", site, 240, "--scene", scene, "--overlay", str(tmp_path / "seen.avi"))
     expect_safe(site, result, street)
-    assert result["lane_error"] <= 0.2
+    true = sum(lane["true"] for lane in result["lanes"])
+    assert result["lane_error"] <= LANE_ERROR + 2 / true
     assert (tmp_path / "seen.avi").stat().st_size > 1_000_000
 
 
