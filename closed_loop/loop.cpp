@@ -112,7 +112,7 @@ class LoopProgram {
         const Source source =
             make_source(scenario_.profile.integrator, Mapping::abs, request.seed, 0, site_.approach_count);
         const double each = vehicles_per_approach(scenario_.profile.scope, request.vehicles, source.unit.size());
-        fs::create_directories(request.out);
+        make_out();
         if (!request.overlay.empty()) {
             mosaic_ = std::make_unique<Mosaic>(request.overlay);
         }
@@ -156,6 +156,13 @@ class LoopProgram {
         if (!is_inproc && request_.link.rfind("can:", 0) != 0 && request_.link.rfind("slcan:", 0) != 0) {
             throw BadRequest("--link \"" + request_.link + "\": right would be inproc, can:IFACE or slcan:PLACE");
         }
+        for (const Trouble &trouble : troubles_) {
+            if (trouble.from_s >= static_cast<double>(request_.seconds)) {
+                throw BadRequest("--faults " + trouble.kind + (trouble.who.empty() ? "" : ":" + trouble.who) + "@" +
+                                 format_number(trouble.from_s, 12) + " begins when the run is over; right would be " +
+                                 "before --seconds " + std::to_string(request_.seconds));
+            }
+        }
         const auto resets = [](const Trouble &trouble) { return trouble.kind == "reset"; };
         const bool needs_command = !is_inproc && std::any_of(troubles_.begin(), troubles_.end(), resets);
         if (needs_command && request_.reset.empty()) {
@@ -170,6 +177,17 @@ class LoopProgram {
             throw BadRequest("--chooser with --link " + request_.link +
                              ": the controller there runs what its site names; right would be none");
         }
+    }
+
+    /// Before minutes of pictures, and not after them.
+    void make_out() const {
+        std::error_code error;
+        fs::create_directories(request_.out, error);
+        if (error) {
+            throw BadRequest("--out \"" + request_.out.string() +
+                             "\": cannot be written; right would be a folder in which files can be made");
+        }
+        const WholeFile probe("--out", request_.out / "closed_loop.json");
     }
 
     [[nodiscard]] std::unique_ptr<Link> controller() const {

@@ -31,7 +31,8 @@ void describe(CLI::App &app, LoopRequest &request) {
     app.add_option("--scene", request.scene, "day, shadows, dusk, headlights, noise or rain")->capture_default_str();
     app.add_option("--overlay", request.overlay, "Video (.avi, .mp4) or last picture (.png) with what is counted");
     app.add_option("--faults", request.faults,
-                   "List of KIND:WHO@FROM-TO: black, freeze, turn or gone of an approach or all, lose:PERCENT, reset");
+                   "List of KIND:WHO@FROM-TO: black, freeze, turn or gone of an approach or all, lose:PERCENT, reset; "
+                   "without -TO to the end of the run, a reset for a moment");
     app.add_option("--reset-command", request.reset, "What resets the controller at the other end of --link");
 }
 

@@ -371,7 +371,11 @@ LongMemory read_long_memory(const std::filesystem::path &file) {
 
 double read_count_error(const std::filesystem::path &file) {
     std::error_code ignored;
-    std::ifstream stream(std::filesystem::is_regular_file(file, ignored) ? file : std::filesystem::path());
+    if (!std::filesystem::is_regular_file(file, ignored)) {
+        throw BadRequest("--count-scores " + file.string() +
+                         ": no such file; right would be one of tools/score-counter");
+    }
+    std::ifstream stream(file);
     const auto scores = nlohmann::json::parse(stream, nullptr, false);
     const auto pointer = nlohmann::json::json_pointer("/pooled/count_error");
     if (!scores.is_object() || !scores.contains(pointer) || !scores.at(pointer).is_number()) {

@@ -6,6 +6,8 @@
 #include "bus_seconds.hpp"
 #include "can_interface.hpp"
 #include "can_socket.hpp"
+#include "csv.hpp"
+#include "error.hpp"
 #include "junction_json.hpp"
 #include "page_server.hpp"
 #include "program.hpp"
@@ -14,6 +16,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <iostream>
@@ -29,17 +32,27 @@ constexpr std::uint32_t second_ms = 1000;
 struct Request {
     std::string can;
     std::string site;
-    std::uint16_t port = 8137;
+    std::string port = "8137";
 };
 
+std::uint16_t port_of(const std::string &text) {
+    constexpr double most = 65535.0;
+    double value = 0.0;
+    if (!parse_number(text, value) || value != std::floor(value) || value < 0.0 || value > most) {
+        throw BadRequest("--port \"" + text + "\": right would be a whole number from 0 to 65535");
+    }
+    return static_cast<std::uint16_t>(value);
+}
+
 void run(const Request &request) {
+    const std::uint16_t port = port_of(request.port);
     const elmopp_junction_t junction = read_site(request.site);
     check_can(program_name, request.can);
     CanSocket socket(request.can, {});
     Wakeups wakeups(second_ms, {SIGINT, SIGTERM}); // before there are threads that a signal could come to
     nlohmann::ordered_json site = junction_json(junction);
     site["controls"] = false;
-    PageServer server(site.dump(), request.port, std::nullopt);
+    PageServer server(site.dump(), port, std::nullopt);
     server.stream().begin(nlohmann::ordered_json{{"site", junction.name}, {"can", request.can}}.dump());
     std::cout << program_name << ": " << server.address() << " shows " << junction.name << " on " << request.can
               << "; ctrl-C ends it\n"

@@ -17,26 +17,35 @@
 #include "whole_file.hpp"
 
 #include <CLI/CLI.hpp>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace elmopp {
 namespace {
 
 const char *const camera_program = "elmopp-camera";
+
+std::string size_text(const cv::Size &size) {
+    return std::to_string(size.width) + " x " + std::to_string(size.height);
+}
 
 volatile std::sig_atomic_t stop_asked = 0;
 
@@ -49,8 +58,24 @@ struct CameraRequest {
     std::string crossings;
     std::string timing;
     std::vector<std::string> tries;
-    double seconds = 0.0;
+    std::string seconds; ///< empty: without an end
 };
+
+/// As strtod reads it; 0 if that is not all of the text.
+double number_of(const std::string &text) {
+    char *end = nullptr;
+    const double number = std::strtod(text.c_str(), &end);
+    return text.empty() || *end != '\0' || !std::isfinite(number) ? 0.0 : number;
+}
+
+/// When to end; 0: never.
+double end_s(const std::string &seconds) {
+    const double number = number_of(seconds);
+    if (!seconds.empty() && number <= 0) {
+        throw BadRequest("--seconds " + seconds + ": right would be a number above 0");
+    }
+    return number;
+}
 
 /// The defaults, but for those that are tried.
 Settings settings_of(const CameraRequest &request) {
@@ -58,10 +83,8 @@ Settings settings_of(const CameraRequest &request) {
     for (const std::string &one : request.tries) {
         const std::size_t equals = one.find('=');
         double *const setting = setting_named(settings, one.substr(0, equals));
-        char *end = nullptr;
-        const std::string value = equals == std::string::npos ? "" : one.substr(equals + 1);
-        const double number = std::strtod(value.c_str(), &end);
-        if (setting == nullptr || value.empty() || *end != '\0' || !(number > 0)) {
+        const double number = equals == std::string::npos ? 0.0 : number_of(one.substr(equals + 1));
+        if (setting == nullptr || number <= 0) {
             throw BadRequest("--try " + one + ": right would be NAME=VALUE with a name from perception/settings.hpp");
         }
         *setting = number;
@@ -69,10 +92,10 @@ Settings settings_of(const CameraRequest &request) {
     return settings;
 }
 
-/// Lines that are written at once: somebody may be reading them.
+/// Lines that are written at once: somebody may be reading them. The first one that cannot be written is the last.
 class Lines {
   public:
-    Lines(const std::string &option, const std::string &file) : file_(file) {
+    Lines(const std::string &option, const std::string &file) : option_(option), file_(file) {
         if (file_.empty() || file_ == "-") {
             return;
         }
@@ -84,12 +107,19 @@ class Lines {
     }
 
     void write(const std::string &line) {
-        if (!file_.empty()) {
-            (file_ == "-" ? std::cout : stream_) << line << "\n" << std::flush;
+        if (file_.empty()) {
+            return;
+        }
+        errno = 0;
+        if (!((file_ == "-" ? std::cout : stream_) << line << "\n" << std::flush)) {
+            const int why = errno;
+            throw Failure(option_ + " " + file_ + ": could not be written" +
+                          (why != 0 ? ": " + std::generic_category().message(why) : ""));
         }
     }
 
   private:
+    std::string option_;
     std::string file_;
     std::ofstream stream_;
 };
@@ -174,8 +204,8 @@ class CameraProgram {
   public:
     explicit CameraProgram(const CameraRequest &request)
         : request_(request), file_(read_lane_file(request.lanes)), counter_(file_, settings_of(request)), bus_(file_),
-          jsonl_("--jsonl", request.jsonl), crossings_("--crossings", request.crossings),
-          timing_("--timing", request.timing) {
+          end_s_(end_s(request.seconds)), jsonl_("--jsonl", request.jsonl),
+          crossings_("--crossings", request.crossings), timing_("--timing", request.timing) {
         for (const std::string &warning : lane_file_warnings(file_)) {
             say(camera_program, request.lanes + ": " + warning);
         }
@@ -209,21 +239,35 @@ class CameraProgram {
         if (file_.reference.empty()) {
             return;
         }
-        const cv::Mat road = cv::imread(file_.reference.string());
+        const std::string name = request_.lanes + ": reference " + file_.reference.string();
+        std::error_code ignored; // what cannot be asked about cannot be read either
+        const bool there = std::filesystem::is_regular_file(file_.reference, ignored);
+        const cv::Mat road = there ? cv::imread(file_.reference.string()) : cv::Mat();
+        if (road.empty()) {
+            throw BadRequest(name + (there ? " is no picture that can be read" : " is missing") +
+                             "; right would be a picture of the empty road, in the size of the lane file");
+        }
         if (road.cols != file_.width_px || road.rows != file_.height_px) {
-            throw BadRequest(request_.lanes + ": reference " + file_.reference.string() +
-                             " is no picture of the size of the lane file");
+            throw BadRequest(name + " is " + size_text(road.size()) + " and the lane file is for " +
+                             size_text({file_.width_px, file_.height_px}));
         }
         counter_.reference(road);
     }
 
-    void check_size(const cv::Mat &bgr) {
-        if (bgr.cols != file_.width_px || bgr.rows != file_.height_px) {
-            throw BadRequest("--lanes " + request_.lanes + ": is for " + std::to_string(file_.width_px) + " x " +
-                             std::to_string(file_.height_px) + " and the source gives " + std::to_string(bgr.cols) +
-                             " x " + std::to_string(bgr.rows));
+    [[nodiscard]] std::string other_size(const cv::Size &given) const {
+        return "--lanes " + request_.lanes + ": is for " + size_text({file_.width_px, file_.height_px}) +
+               " and the source gives " + size_text(given);
+    }
+
+    void check_size(const cv::Mat &bgr) const {
+        if (bgr.size() != cv::Size(file_.width_px, file_.height_px)) {
+            throw BadRequest(other_size(bgr.size()));
         }
     }
+
+    /// A live camera may come back in another size than its first picture had: in a look of that size no lane is where
+    /// the lane file has it, so that it is none, and the records say `lost` until the right size is back.
+    bool has_right_size(const cv::Mat &bgr);
 
     void feed(const Frame &frame) {
         counter_.feed(frame.bgr, frame.t_s);
@@ -264,11 +308,13 @@ class CameraProgram {
 
     void run_file();
     void run_live();
+    bool look(LiveSource &live, double until_s);
 
     CameraRequest request_;
     LaneFile file_;
     Counter counter_;
     CameraBus bus_;
+    double end_s_;
     Lines jsonl_;
     Lines crossings_;
     Lines timing_;
@@ -277,6 +323,10 @@ class CameraProgram {
     std::unique_ptr<Overlay> overlay_;
     std::unique_ptr<CanSocket> can_;
     Record last_;
+    bool seen_ = false;      ///< a live picture
+    bool right_size_ = true; ///< the last live picture's
+    bool said_shut_ = false; ///< that nothing opens
+    double worst_ms_ = 0.0;  ///< age of a live picture since the last record
 };
 
 constexpr double second_s = 1.0;
@@ -313,7 +363,7 @@ void CameraProgram::run_file() {
         draw(frame);
         clock_.end();
         clock_.begin();
-        if (request_.seconds > 0 && frame.t_s >= request_.seconds) {
+        if (end_s_ > 0 && frame.t_s >= end_s_) {
             break;
         }
     }
@@ -324,37 +374,54 @@ void CameraProgram::run_file() {
     tell_crossings();
     tell(0, 0);
     constexpr double whole = 0.95;
-    if (stop_asked == 0 && request_.seconds <= 0 &&
-        static_cast<double>(frames) < whole * static_cast<double>(video.promised())) {
+    if (stop_asked == 0 && end_s_ <= 0 && static_cast<double>(frames) < whole * static_cast<double>(video.promised())) {
         say(camera_program, request_.source + ": ends after " + std::to_string(frames) + " of " +
                                 std::to_string(video.promised()) + " frames, it is damaged or cut short");
     }
 }
 
+bool CameraProgram::has_right_size(const cv::Mat &bgr) {
+    if (!seen_) {
+        check_size(bgr);
+        seen_ = true;
+    }
+    const bool right = bgr.size() == cv::Size(file_.width_px, file_.height_px);
+    if (right_size_ && !right) {
+        say(camera_program, other_size(bgr.size()) + " now; nothing is counted until the right size is back");
+    }
+    right_size_ = right;
+    return right;
+}
+
+/// Takes the newest frame, or none, if none of the right size comes until then.
+bool CameraProgram::look(LiveSource &live, double until_s) {
+    Frame frame;
+    if (!live.take(frame, until_s) || !has_right_size(frame.bgr)) {
+        return false;
+    }
+    clock_.begin();
+    feed(frame);
+    draw(frame);
+    clock_.end();
+    const double latency_s = live.now_s() - frame.t_s;
+    clock_.late(latency_s);
+    worst_ms_ = std::max(worst_ms_, 1000 * latency_s);
+    return true;
+}
+
 /// The newest frame, and a record each second whether there are frames or not.
 void CameraProgram::run_live() {
     LiveSource live(request_.source, cv::Size(file_.width_px, file_.height_px));
-    using Clock = std::chrono::steady_clock;
-    const auto start = Clock::now();
-    const auto at = [start](double t_s) {
-        return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t_s));
-    };
     double next_s = second_s;
     double next_junction_s = junction_s;
-    double worst_ms = 0;
     while (stop_asked == 0) {
-        Frame frame;
-        if (live.take(frame, at(std::min(next_s, next_junction_s)))) {
-            clock_.begin();
-            check_size(frame.bgr);
-            feed(frame);
-            draw(frame);
-            clock_.end();
-            const double latency_s = live.now_s() - frame.t_s;
-            clock_.late(latency_s);
-            worst_ms = std::max(worst_ms, 1000 * latency_s);
-        } else {
+        if (!look(live, std::min(next_s, next_junction_s))) {
             counter_.miss(live.now_s());
+        }
+        if (!said_shut_ && live.opened() == 0 && live.shut() > 0) {
+            say(camera_program,
+                "--source " + told_source(request_.source) + ": does not open; it is tried again until it does");
+            said_shut_ = true;
         }
         const double now_s = live.now_s();
         if (now_s >= next_junction_s) {
@@ -362,11 +429,11 @@ void CameraProgram::run_live() {
             next_junction_s = std::max(next_junction_s + junction_s, now_s);
         }
         if (now_s >= next_s) {
-            tell(worst_ms, live.dropped());
-            worst_ms = 0;
+            tell(worst_ms_, live.dropped());
+            worst_ms_ = 0;
             next_s += second_s * (1 + std::floor(now_s - next_s));
         }
-        if (request_.seconds > 0 && now_s >= request_.seconds) {
+        if (end_s_ > 0 && now_s >= end_s_) {
             break;
         }
     }
@@ -376,8 +443,11 @@ void CameraProgram::run_live() {
 
 void describe_camera(CLI::App &app, CameraRequest &request) {
     app.description("Counts vehicles in each lane of a camera's picture.");
+    app.footer("Exit codes: 0 done; 1 it ran and failed, as when a file can no longer be written; 2 the request cannot "
+               "be run.\nA camera that is not there is no failure: its records say lost until it is.");
     app.add_option("--source", request.source,
-                   "Video file, rtsp://..., gst:PIPELINE (ends with appsink), v4l2:N or /dev/videoN")
+                   "Video file, rtsp:// rtsps:// http:// https:// udp://, gst:PIPELINE ! appsink, v4l2:N or "
+                   "/dev/videoN")
         ->required();
     app.add_option("--lanes", request.lanes, "Lane file elmopp-lanes/1 (docs/camera.md)")->required();
     app.add_option("--can", request.can, "CAN interface to send DetectorCounts and JunctionOccupied on");
@@ -387,11 +457,14 @@ void describe_camera(CLI::App &app, CameraRequest &request) {
     app.add_option("--crossings", request.crossings, "File for each crossing as a line of JSON; - is stdout");
     app.add_option("--timing", request.timing, "File for what the program cost, for tools/score-counter");
     app.add_option("--try", request.tries, "NAME=VALUE in place of a default, for tools/score-counter --leave-one-out");
-    app.add_option("--seconds", request.seconds, "End after so long")->check(CLI::PositiveNumber);
+    app.add_option("--seconds", request.seconds, "End after so long");
 }
 
 void run_camera(const CameraRequest &request) {
     cv::setNumThreads(1);
+    // What the libraries think of a source is many lines, again with each try; the program's own say it.
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
     std::signal(SIGINT, [](int) { stop_asked = 1; });
     std::signal(SIGTERM, [](int) { stop_asked = 1; });
     CameraProgram(request).run();

@@ -177,6 +177,7 @@ struct Counter::Impl {
     void collect(Road &road);
     void count_kept(Road &road);
     void interrupt();
+    void close();
     void learn_anew();
     void begin_lesson();
     void learn_more(int pixels);
@@ -344,8 +345,8 @@ void Counter::Impl::interrupt() {
     }
 }
 
-/// The scene is another one. What is still kept is counted on the road as it was.
-void Counter::Impl::learn_anew() {
+/// What is still kept is counted on the road as it is, and what is on the line ends.
+void Counter::Impl::close() {
     for (Road &road : roads) {
         if (!learning) {
             count_kept(road);
@@ -354,6 +355,11 @@ void Counter::Impl::learn_anew() {
         collect(road);
         road.kept.clear();
     }
+}
+
+/// The scene is another one.
+void Counter::Impl::learn_anew() {
+    close();
     for (Zone &zone : zones) {
         zone.kept.clear();
     }
@@ -649,13 +655,15 @@ void Counter::miss(double t_s) {
 void Counter::finish() {
     constexpr std::size_t least = 3;
     Impl &my = *impl_;
+    const bool was_learning = my.learning;
     if (my.learning && my.roads.front().kept.size() >= least) {
         if (!my.lesson) {
             my.begin_lesson();
         }
         my.learn_more(std::numeric_limits<int>::max());
     }
-    my.learn_anew();
+    my.close();
+    my.learning = was_learning; // the last record is of a second in which it was so
 }
 
 std::vector<Crossing> Counter::take_crossings() {

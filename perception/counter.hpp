@@ -65,7 +65,7 @@ class Counter {
     /// There is no picture at `t_s`.
     void miss(double t_s);
 
-    /// The video is over: what is on the line ends.
+    /// The video is over: what is on the line ends. Nothing is fed afterwards; the last record is of how things were.
     void finish();
 
     /// Crossings that have become known since the last call, with indices of the lane file.

@@ -4,8 +4,13 @@
 #include "source.hpp"
 
 #include "error.hpp"
+#include "pipeline.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <initializer_list>
+#include <optional>
 
 namespace elmopp {
 namespace {
@@ -14,7 +19,61 @@ bool begins_with(const std::string &text, const std::string &with) {
     return text.compare(0, with.size(), with) == 0;
 }
 
+/// What comes after the first of these starts that it has; none: it has none of them.
+std::optional<std::string> after(const std::string &text, std::initializer_list<const char *> starts) {
+    for (const std::string start : starts) {
+        if (begins_with(text, start)) {
+            return text.substr(start.size());
+        }
+    }
+    return std::nullopt;
+}
+
+/// The host of USER:PASSWORD@HOST:PORT/PATH.
+std::string host_of(const std::string &place) {
+    const std::string authority = place.substr(0, place.find_first_of("/?#"));
+    const std::size_t at = authority.rfind('@');
+    const std::string there = at == std::string::npos ? authority : authority.substr(at + 1);
+    return there.substr(0, there.find(':', there.find(']') == std::string::npos ? 0 : there.find(']')));
+}
+
+/// What is wrong with a live source that no waiting mends, and what would be right; empty: it may come to life.
+std::string why_never(const std::string &source) {
+    if (const auto number = after(source, {"v4l2:", "/dev/video"})) {
+        const bool whole = !number->empty() && std::all_of(number->begin(), number->end(),
+                                                           [](unsigned char c) { return std::isdigit(c) != 0; });
+        return whole ? "" : "is no device; right would be v4l2:N or /dev/videoN with a number, as v4l2:0";
+    }
+    if (const auto place = after(source, {"rtsp://", "rtsps://", "http://", "https://"})) {
+        return host_of(*place).empty() ? "names no host; right would be as rtsp://camera/stream" : "";
+    }
+    if (const auto place = after(source, {"udp://"})) { // without a host it listens
+        return place->find(':') == std::string::npos ? "names no port; right would be as udp://@:5000" : "";
+    }
+    if (const auto pipeline = after(source, {"gst:"})) {
+        const std::string wrong = pipeline_fault(*pipeline);
+        return wrong.empty() ? "" : wrong + "; right would be gst:PIPELINE ! appsink";
+    }
+    return "";
+}
+
+std::string possible(std::string source) {
+    const std::string wrong = why_never(source);
+    if (!wrong.empty()) {
+        throw BadRequest("--source " + told_source(source) + ": " + wrong);
+    }
+    return source;
+}
+
 } // namespace
+
+std::string told_source(const std::string &source) {
+    const std::size_t place = source.find("://");
+    const std::size_t end = source.find_first_of("/?#", place == std::string::npos ? place : place + 3);
+    const std::size_t at = source.substr(0, end).rfind('@');
+    const bool secret = is_live(source) && place != std::string::npos && at != std::string::npos && at > place + 3;
+    return secret ? source.substr(0, place + 3) + "..." + source.substr(at) : source;
+}
 
 void NewestFrame::put(Frame frame) {
     {
@@ -75,12 +134,18 @@ bool VideoFile::next(Frame &frame) {
 }
 
 LiveSource::LiveSource(std::string source, cv::Size wanted)
-    : source_(std::move(source)), wanted_(wanted), start_(std::chrono::steady_clock::now()),
+    : source_(possible(std::move(source))), wanted_(wanted), start_(std::chrono::steady_clock::now()),
       thread_([this] { run(); }) {}
 
 LiveSource::~LiveSource() {
     stop_ = true;
     thread_.join();
+}
+
+bool LiveSource::take(Frame &frame, double until_s) {
+    using Clock = std::chrono::steady_clock;
+    return newest_.take(frame,
+                        start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(until_s)));
 }
 
 double LiveSource::now_s() const {
@@ -121,6 +186,8 @@ void LiveSource::run() {
                     wait = first_wait;
                     newest_.put({frame.bgr.clone(), now_s()});
                 }
+            } else {
+                ++shut_;
             }
         } catch (const cv::Exception &) {
             ++broken_; // a camera that answers nonsense is one that is not there

@@ -54,6 +54,9 @@ class NewestFrame {
 /// True for rtsp://, http(s)://, udp://, gst:PIPELINE, v4l2:N and /dev/video*: a source without an end.
 bool is_live(const std::string &source);
 
+/// The source to be told to people: without the name and password of rtsp://NAME:PASSWORD@HOST.
+std::string told_source(const std::string &source);
+
 class VideoFile {
   public:
     /// Throws BadRequest if there is nothing to read.
@@ -77,6 +80,7 @@ class VideoFile {
 
 class LiveSource {
   public:
+    /// Throws BadRequest if such a source can never run: no number, no host, no pipeline.
     LiveSource(std::string source, cv::Size wanted);
     ~LiveSource();
     LiveSource(const LiveSource &) = delete;
@@ -84,9 +88,8 @@ class LiveSource {
     LiveSource(LiveSource &&) = delete;
     LiveSource &operator=(LiveSource &&) = delete;
 
-    bool take(Frame &frame, std::chrono::steady_clock::time_point until) {
-        return newest_.take(frame, until);
-    }
+    /// As NewestFrame::take, until so many seconds after the start.
+    bool take(Frame &frame, double until_s);
 
     [[nodiscard]] std::uint64_t dropped() const {
         return newest_.dropped();
@@ -99,6 +102,11 @@ class LiveSource {
         return opened_;
     }
 
+    /// Times that the camera did not open.
+    [[nodiscard]] std::uint64_t shut() const {
+        return shut_;
+    }
+
   private:
     void run();
     bool open(cv::VideoCapture &capture) const;
@@ -109,6 +117,7 @@ class LiveSource {
     NewestFrame newest_;
     std::atomic<bool> stop_ = false;
     std::atomic<std::uint64_t> opened_ = 0;
+    std::atomic<std::uint64_t> shut_ = 0;
     std::atomic<std::uint64_t> broken_ = 0; ///< times that a camera made the library fail
     std::thread thread_;
 };

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 #
-# The camera room's tests. They draw their own scenes; clips with counted truth are scored where a folder of them is named
-# by ELMOPP_CLIPS (option or environment).
+# The camera room's tests. They draw their own scenes; clips with counted truth are scored where there is a folder of
+# them: ../shared/video, or the one that ELMOPP_CLIPS names (option or environment).
 
 set(ELMOPP_CLIPS "$ENV{ELMOPP_CLIPS}" CACHE PATH "Folder of clips with counted truth, for the test camera_clips")
 
@@ -51,7 +51,7 @@ endif()
 if(depends_on_no_build)
     set(camera_environment
         "ELMOPP_CAMERA=$<TARGET_FILE:elmopp-camera>;ELMOPP_DRAW_SCENE=$<TARGET_FILE:draw_scene>;ELMOPP_FIND_VEHICLES=$<TARGET_FILE:find_vehicles>;ELMOPP_COPY_CLIP=$<TARGET_FILE:copy_clip>;ELMOPP_CLIPS=${ELMOPP_CLIPS}")
-    foreach(name IN ITEMS test_camera_program test_camera_model test_camera_live test_camera_rtsp test_count_scores)
+    foreach(name IN ITEMS test_camera_program test_camera_model test_camera_live test_camera_rtsp test_camera_http test_count_scores)
         elmopp_add_python_test(NAME ${name} COMMAND -m pytest -q tests/python/${name}.py LABELS camera TIMEOUT 300)
         set_tests_properties(${name} PROPERTIES ENVIRONMENT "${camera_environment}")
     endforeach()

@@ -475,7 +475,7 @@ void test_count_error_is_read_from_the_scores() {
                      {"--count-scores", bad.path().string(), "pooled.count_error", "tools/score-counter"});
     }
     expect_words(message_of<BadRequest>([] { (void)read_count_error("/nowhere/scores.json"); }),
-                 {"/nowhere/scores.json"});
+                 {"/nowhere/scores.json", "no such file"});
 }
 
 void test_trials_come_back_as_they_were_written() {

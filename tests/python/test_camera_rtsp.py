@@ -16,6 +16,7 @@ import pytest
 CAMERA = os.environ["ELMOPP_CAMERA"]
 # GStreamer's server has its Python bindings in the system's Python only.
 SERVER = Path(__file__).resolve().parents[1] / "perception" / "rtsp_server.py"
+VALID_AGAIN_S = 10  # after the camera is back
 LANES = {
     "width": 320,
     "height": 240,
@@ -84,7 +85,7 @@ def test_a_camera_that_dies_is_said_and_comes_back_and_the_records_go_on(port: i
         time.sleep(3)
         gone = len(records(out))
         server = start_server(port)
-        wait_for(out, valid=True, after=gone, seconds=30)
+        wait_for(out, valid=True, after=gone, seconds=VALID_AGAIN_S)
     finally:
         camera.terminate()
         stop(server)

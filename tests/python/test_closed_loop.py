@@ -22,6 +22,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("ELMOPP_CLOSED_LOOP", str(ROOT / "build" / "release" / "bin" / "elmopp-closed-loop"))
 RED, RED_AMBER, GREEN, AMBER, FLASH = "1", "2", "3", "4", "5"
+LANE_ERROR = 0.055  # four minutes of headlights, the worst: 13 wrong of 245, and two vehicles more
 START_UP_TICKS = 400  # more than these sites need
 
 
@@ -232,6 +233,9 @@ def test_a_board_that_is_reset_in_mid_green_begins_anew(tmp_path: Path) -> None:
         (["--seconds", "0"], "--seconds 0: right would be 1 to 2000"),
         (["--scene", "fog"], '--scene "fog": right would be one of day, '),
         (["--faults", "fog:N@1-2"], '--faults "fog:N@1-2": right would be'),
+        (["--faults", "black:N@1-2,reset@500"], "--faults reset@500 begins when the run is over"),
+        (["--out", "/proc/x"], '--out "/proc/x": cannot be written; right would be a folder'),
+        (["--out", "/proc"], "--out"),
         (["--link", "tcp:1"], '--link "tcp:1": right would be inproc'),
         (
             ["--link", "can:none", "--faults", "reset@3"],
@@ -247,7 +251,10 @@ def test_a_board_that_is_reset_in_mid_green_begins_anew(tmp_path: Path) -> None:
 def test_what_cannot_be_run_is_refused_in_one_line(tmp_path: Path, words: list[str], said: str) -> None:
     command = [PROGRAM, "--seconds", "5", "--out", str(tmp_path / "out")]
     for option, value in zip(words[::2], words[1::2], strict=True):
-        command = [*command[:1], *(["--seconds", "5"] if option != "--seconds" else []), *command[3:], option, value]
+        if option in command:
+            command[command.index(option) + 1] = value
+        else:
+            command += [option, value]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 2, done.stderr
     assert said in done.stderr
@@ -265,12 +272,13 @@ def test_the_drawing_and_the_counter_know_nothing_of_each_other() -> None:
 
 
 @pytest.mark.others
-@pytest.mark.parametrize("scene", ["day", "shadows", "dusk", "headlights", "rain"])
+@pytest.mark.parametrize("scene", ["day", "shadows", "dusk", "headlights", "noise", "rain"])
 def test_all_cameras_count_in_every_scene(tmp_path: Path, scene: str) -> None:
     site = ROOT / "sites" / "four_way.toml"
     result, street = run(tmp_path / "out", site, 240, "--scene", scene, "--overlay", str(tmp_path / "seen.avi"))
     expect_safe(site, result, street)
-    assert result["lane_error"] <= 0.2
+    true = sum(lane["true"] for lane in result["lanes"])
+    assert result["lane_error"] <= LANE_ERROR + 2 / true
     assert (tmp_path / "seen.avi").stat().st_size > 1_000_000
 
 

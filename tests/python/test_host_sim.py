@@ -207,7 +207,7 @@ BAD_VALUES = [
     ("experiment --split 1,1", "2 shares", "3 movements"),
     ("experiment --mapping frob", '"frob"', "abs, shift"),
     ("experiment --integrator frob", '"frob"', "rk4, euler"),
-    ("experiment --count-scores nowhere.json", "nowhere.json", "pooled.count_error"),
+    ("experiment --count-scores nowhere.json", "nowhere.json", "no such file"),
     ("experiment --out ", "--out", "right would be"),
     ("experiment --out file", '--out "file"', "right would be"),
     ("experiment --out file/below", '--out "file/below"', "right would be"),

@@ -29,9 +29,9 @@ exit "$amber"
 """
 
 
-def asked(folder: Path, *words: str) -> int:
+def asked(folder: Path, *words: str, played: str = PLAYED) -> int:
     program = folder / "played"
-    program.write_text(PLAYED, encoding="utf-8")
+    program.write_text(played, encoding="utf-8")
     program.chmod(0o755)
     return main(["--out", str(folder / "out"), "--program", str(program), "--seeds", "1", "2", *words])
 
@@ -60,10 +60,24 @@ def test_it_goes_on_where_it_was_broken_off(tmp_path: Path, capsys: pytest.Captu
     asked(tmp_path)
     first = capsys.readouterr().out
     assert asked(tmp_path) == 1  # also of a run of before
-    assert capsys.readouterr().out == first
+    said = capsys.readouterr()
+    assert said.out == first
+    assert "16 of 16 runs were there before, of this program" in said.err
     runs = tmp_path / "out" / "runs"
     assert len(runs.read_text(encoding="utf-8").splitlines()) == 16
     asked(tmp_path, "--vehicles", "500")  # another request
+    assert len(runs.read_text(encoding="utf-8").splitlines()) == 32
+
+
+def test_runs_of_another_program_do_not_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked(tmp_path)
+    first = capsys.readouterr().out
+    asked(tmp_path, played=PLAYED.replace("18 + 2 * seed", "19 + 2 * seed"))
+    said = capsys.readouterr()
+    assert "there before" not in said.err
+    assert said.out.splitlines()[2].startswith("| none | 22.0 |")
+    assert said.out != first
+    runs = tmp_path / "out" / "runs"
     assert len(runs.read_text(encoding="utf-8").splitlines()) == 32
 
 

@@ -35,7 +35,9 @@ def test_a_node_without_groups() -> None:
 def test_a_page_without_a_bus() -> None:
     assert "nowhere" in refused("elmopp-view", "--can", "nowhere", "--site", SITE)
     assert "cannot be read" in refused("elmopp-view", "--can", "vcan77", "--site", "none.bin")
-    assert "--port" in refused("elmopp-view", "--can", "vcan77", "--site", SITE, "--port", "65536")
+    for port in ("65536", "x"):
+        said = refused("elmopp-view", "--can", "vcan77", "--site", SITE, "--port", port)
+        assert f'--port "{port}": right would be a whole number from 0 to 65535' in said
 
 
 @pytest.mark.parametrize("text", BREAKS)

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 import jsonschema
 from PIL import Image, ImageDraw, UnidentifiedImageError
+
+from elmopp_tools.lane_rules import STEPS, complaints
 
 EXIT_DONE = 0
 EXIT_REFUSED = 2
@@ -24,10 +25,6 @@ GREEN = (80, 220, 80)
 YELLOW = (250, 220, 60)
 RED = (230, 70, 60)
 ARROW_PX = 14
-LEAST_LINE_PX = 4.0
-LEAST_AREA_PX = 16.0
-LEAST_ACROSS = 0.3
-STEPS = {"up": (0, -1), "down": (0, 1), "left": (-1, 0), "right": (1, 0)}
 
 DESCRIPTION = """\
 Draws the lanes of a lane file elmopp-lanes/1 on a picture: counting lines with the way of travel, zones, masks, the
@@ -60,50 +57,9 @@ def read_lanes(file: Path) -> dict[str, Any]:
     if errors:
         where = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in errors[0].path).lstrip(".") or "the file"
         raise RequestError(f"--lanes {file}: {where}: {errors[0].message}")
-    for complaint in _complaints(lanes):
+    for complaint in complaints(lanes):
         raise RequestError(f"--lanes {file}: {complaint}")
     return dict(lanes)
-
-
-def _complaints(lanes: dict[str, Any]) -> Iterator[str]:
-    """What a schema cannot say: the rules of perception/lanes.cpp about names and geometry."""
-    names = set()
-    for i, lane in enumerate(lanes["lanes"]):
-        key = f"lanes[{i}]"
-        yield from _outside(lane["line"], f"{key}.line", lanes)
-        yield from _across(lane, key)
-        if "zone" in lane:
-            yield from _polygon(lane["zone"], f"{key}.zone", lanes)
-        for k, mask in enumerate(lane.get("mask", [])):
-            yield from _polygon(mask, f"{key}.mask[{k}]", lanes)
-        if lane["name"] in names:
-            yield f'{key}.name "{lane["name"]}" comes twice'
-        names.add(lane["name"])
-    if "junction" in lanes:
-        yield from _polygon(lanes["junction"], "junction", lanes)
-
-
-def _outside(points: list[list[float]], key: str, lanes: dict[str, Any]) -> Iterator[str]:
-    for i, (x, y) in enumerate(points):
-        if x > lanes["width"] or y > lanes["height"]:
-            yield f"{key}[{i}] is [{x}, {y}], outside of the picture of {lanes['width']} x {lanes['height']}"
-
-
-def _polygon(points: list[list[float]], key: str, lanes: dict[str, Any]) -> Iterator[str]:
-    yield from _outside(points, key, lanes)
-    turned = [*points[1:], points[0]]
-    if abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, turned, strict=True))) / 2 < LEAST_AREA_PX:
-        yield f"{key} has no area"
-
-
-def _across(lane: dict[str, Any], key: str) -> Iterator[str]:
-    """Vehicles drive across a line, not along it."""
-    (ax, ay), (bx, by) = lane["line"]
-    along = math.hypot(bx - ax, by - ay)
-    if along < LEAST_LINE_PX:
-        yield f"{key}.line is shorter than four pixels"
-    if abs(bx - ax if STEPS[lane["direction"]][0] == 0 else by - ay) < LEAST_ACROSS * along:
-        yield f"{key}.direction runs along the line of the lane; right would be the way that vehicles cross it"
 
 
 def draw(picture: Image.Image, lanes: dict[str, Any]) -> None:

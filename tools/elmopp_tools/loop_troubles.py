@@ -8,6 +8,7 @@ junction that flashes says nothing: vehicles do not drive at flashing lamps here
 """
 
 import argparse
+import hashlib
 import json
 import statistics
 import subprocess
@@ -22,6 +23,8 @@ from typing import Any
 from elmopp_tools.loop_table import Result, read
 from elmopp_tools.paired import paired
 
+# Beside a run's files: of which program they are.
+PROGRAM_FILE = "program.sha256"
 ROOT = Path(__file__).resolve().parents[2]
 EXIT_DONE, EXIT_FAILED, EXIT_REFUSED = 0, 1, 2
 LEAST_S = 180  # the last trouble ends at 120 s, and what comes after it belongs to it
@@ -46,6 +49,7 @@ class Row:
     folder: Path
     exit_code: int
     said: str
+    reused: bool = False
 
 
 @dataclass(frozen=True)
@@ -56,10 +60,12 @@ class Seen:
     street: list[dict[str, Any]]
 
 
-def is_there(folder: Path, wanted: dict[str, object]) -> bool:
-    """True if a run of before has answered this."""
+def is_there(folder: Path, wanted: dict[str, object], program: str | None = None) -> bool:
+    """True if a run of before has answered this, with this very program if one is named."""
     try:
         result = read(folder)
+        if program is not None and (folder / PROGRAM_FILE).read_text(encoding="utf-8").strip() != program:
+            return False
     except (OSError, ValueError):
         return False
     return all(result.get(key) == value for key, value in wanted.items())
@@ -74,11 +80,15 @@ def run(arguments: argparse.Namespace, trouble: str, seed: int) -> Row:
     """The whole chain once, unless it was run before."""
     folder = arguments.out / f"{trouble.replace(':', '-').replace('@', '-') or 'none'}-{seed}"
     wanted = {"seconds": arguments.seconds, "vehicles": arguments.vehicles, "seed": seed, "faults": trouble}
-    if is_there(folder, wanted):
-        return Row(trouble, seed, folder, EXIT_FAILED if any(findings(read(folder))) else EXIT_DONE, "run before")
+    if is_there(folder, wanted, arguments.sha256):
+        failed = any(findings(read(folder)))
+        return Row(trouble, seed, folder, EXIT_FAILED if failed else EXIT_DONE, "run before", reused=True)
+    (folder / PROGRAM_FILE).unlink(missing_ok=True)
     command = [str(arguments.program), "--seconds", str(arguments.seconds), "--vehicles", str(arguments.vehicles)]
     command += ["--seed", str(seed), "--out", str(folder), "--faults", trouble]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    if done.returncode in (EXIT_DONE, EXIT_FAILED) and folder.is_dir():
+        (folder / PROGRAM_FILE).write_text(arguments.sha256 + "\n", encoding="utf-8")
     return Row(trouble, seed, folder, done.returncode, done.stderr.strip())
 
 
@@ -133,7 +143,7 @@ def refusal(arguments: argparse.Namespace) -> str | None:
     """Why this cannot be run."""
     if arguments.seconds < LEAST_S:
         return f"--seconds {arguments.seconds}: right would be {LEAST_S} or more"
-    if not arguments.program.exists():
+    if not arguments.program.is_file():
         return f"--program {arguments.program} is missing; right would be what tools/closed-loop builds"
     return None
 
@@ -142,7 +152,7 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="closed-loop-troubles",
         description="Runs the closed loop without and with each of seven troubles and prints what the street saw. "
-        "Goes on where it was broken off.",
+        "Goes on where it was broken off, as long as the program is the same.",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="one folder a run goes into it")
     parser.add_argument("--seconds", type=int, default=240, metavar="S")
@@ -155,9 +165,13 @@ def main(words: Sequence[str] | None = None) -> int:
     if (reason := refusal(arguments)) is not None:
         print(f"closed-loop-troubles: {reason}", file=sys.stderr)
         return EXIT_REFUSED
+    arguments.sha256 = hashlib.sha256(arguments.program.read_bytes()).hexdigest()
     with ThreadPoolExecutor(arguments.jobs) as pool:
         runs = [pool.submit(run, arguments, trouble, seed) for seed in arguments.seeds for trouble in TROUBLES]
         rows = [each.result() for each in runs]
+    reused = sum(row.reused for row in rows)
+    if reused:
+        print(f"closed-loop-troubles: {reused} of {len(rows)} runs were there before, of this program", file=sys.stderr)
     for row in rows:
         if row.exit_code != EXIT_DONE:
             print(f"closed-loop-troubles: {row.trouble or 'none'}, seed {row.seed}: {row.said}", file=sys.stderr)

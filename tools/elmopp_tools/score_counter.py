@@ -16,18 +16,20 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from elmopp_tools import clip_copies
 from elmopp_tools.count_scores import Counted, Event, pooled, presence_error, score_crossings, wrong_events
+from elmopp_tools.outputs import why_not_writable
+from elmopp_tools.truth_file import RequestError, read_truth
 
 EXIT_DONE = 0
 EXIT_FAILED = 1
 EXIT_REFUSED = 2
 
 ROOT = Path(__file__).resolve().parents[2]
-FORMAT = "lane-count-truth/1"
 NO_FLAGS = frozenset({"ok", "learning"})
+LEARNT_S = 3.9  # every clip learns for 3 s, and roads are made of that in 0.7 s; records come once a second
 
 DESCRIPTION = """\
 Scores the camera counter on clips whose vehicles were counted by eye (truth files lane-count-truth/1, one beside each
@@ -41,10 +43,6 @@ Examples:
   tools/score-counter --write-lanes clips/a.json a.lanes.json the lane file of one"""
 
 
-class RequestError(Exception):
-    """It cannot be run; the text says what is wrong and what would be right."""
-
-
 class ScoreFailedError(Exception):
     """The counter ended badly."""
 
@@ -52,20 +50,6 @@ class ScoreFailedError(Exception):
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         self.exit(EXIT_REFUSED, f"score-counter: {message} (score-counter --help)\n")
-
-
-def read_truth(file: Path) -> dict[str, Any]:
-    """A truth file; RequestError if it is none."""
-    try:
-        truth = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise RequestError(f"{file}: cannot be read as JSON: {error}") from None
-    if not isinstance(truth, dict) or truth.get("format") != FORMAT:
-        raise RequestError(f"{file}: is no truth file; right would be format {FORMAT}")
-    for key in ("video", "width", "height", "lanes", "crossings", "count_from", "count_to", "total", "totals"):
-        if key not in truth:
-            raise RequestError(f"{file}: {key} is missing")
-    return truth
 
 
 def lanes_of(truth: Mapping[str, Any]) -> dict[str, Any]:
@@ -113,12 +97,23 @@ def run_camera(
     return {name: json_lines(file) for name, file in files.items()}
 
 
+def flags_of(said: Mapping[str, Any]) -> list[str]:
+    """What a camera of which all is well never says."""
+    return sorted({lane["reason"] for r in said["jsonl"] for lane in r["lanes"].values()} - NO_FLAGS)
+
+
+def learns_long(said: Mapping[str, Any]) -> bool:
+    """True if a lane is `learning` in a record after the seconds in which every clip is."""
+    begun_s = said["jsonl"][0]["t_s"]
+    later = [record for record in said["jsonl"] if record["t_s"] >= begun_s + LEARNT_S]
+    return any(lane["reason"] == "learning" for record in later for lane in record["lanes"].values())
+
+
 def score_clip(truth: Mapping[str, Any], said: Mapping[str, Any]) -> tuple[dict[str, Any], Any]:
     """One clip's entry of the report, and its sums for the pool."""
     events = [Event(c["frame"], c["lane"]) for c in said["crossings"]]
     counted = score_crossings(truth, events)
     present = [(r["frame"], {name: lane["present"] for name, lane in r["lanes"].items()}) for r in said["jsonl"]]
-    reasons = {lane["reason"] for r in said["jsonl"] for lane in r["lanes"].values()}
     timing = said["timing"][0]
     entry = {
         "truth": counted.truth,
@@ -128,8 +123,8 @@ def score_clip(truth: Mapping[str, Any], said: Mapping[str, Any]) -> tuple[dict[
         "f1": counted.f1,
         "wrong_events": counted.wrong_events,
         "presence_error": presence_error(truth, present),
-        "learning": "learning" in reasons,
-        "flags": sorted(reasons - NO_FLAGS),
+        "learning": learns_long(said),
+        "flags": flags_of(said),
         "fps": round(timing["frames"] / timing["cpu_s"], 1) if timing["cpu_s"] > 0 else None,
         "p99_ms": round(timing["p99_ms"], 3),
         "rss_mb": round(timing["rss_mb"], 1),
@@ -137,26 +132,34 @@ def score_clip(truth: Mapping[str, Any], said: Mapping[str, Any]) -> tuple[dict[
     return entry, counted
 
 
-def score_folder(program: Path, clips: Path, verbose: bool) -> dict[str, Any]:
+def all_truths(clips: Path) -> dict[str, dict[str, Any]]:
+    """The clips of a folder, all of them read before the first one runs."""
     if not clips.is_dir():
         raise RequestError(f"--clips {clips}: is no folder; right would be one with videos and truth files")
-    report: dict[str, Any] = {"clips": {}}
-    sums = []
+    truths = {}
     for file in sorted(clips.glob("*.json")):
         truth = read_truth(file)
         video = clips / truth["video"]
         if not video.is_file():
             raise RequestError(f"{file}: its video {video} is not there")
+        truths[file.stem] = truth
+    if not truths:
+        raise RequestError(f"--clips {clips}: holds no truth file (*.json)")
+    return truths
+
+
+def score_folder(program: Path, clips: Path, verbose: bool) -> dict[str, Any]:
+    report: dict[str, Any] = {"clips": {}}
+    sums = []
+    for name, truth in all_truths(clips).items():
         with tempfile.TemporaryDirectory() as folder:
-            said = run_camera(program, video, truth, Path(folder))
-        report["clips"][file.stem], counted = score_clip(truth, said)
+            said = run_camera(program, clips / truth["video"], truth, Path(folder))
+        report["clips"][name], counted = score_clip(truth, said)
         sums.append(counted)
         if verbose:
             missed, false = wrong_events(truth, [Event(c["frame"], c["lane"]) for c in said["crossings"]])
             for word, wrong in (("missed", missed), ("false", false)):
-                print(f"{file.stem}: {word} {' '.join(f'{e.frame}:{e.lane}' for e in wrong) or 'none'}")
-    if not sums:
-        raise RequestError(f"--clips {clips}: holds no truth file (*.json)")
+                print(f"{name}: {word} {' '.join(f'{e.frame}:{e.lane}' for e in wrong) or 'none'}")
     report["pooled"] = pooled(sums)
     return report
 
@@ -170,29 +173,41 @@ GRID = (
 
 def truths_of(clips: Path) -> dict[str, dict[str, Any]]:
     """The clips with crossings of a folder; RequestError if there are not two."""
-    truths = {file.stem: read_truth(file) for file in sorted(clips.glob("*.json"))}
-    truths = {name: truth for name, truth in truths.items() if truth["total"]}
+    truths = {name: truth for name, truth in all_truths(clips).items() if truth["total"]}
     if len(truths) < 2:
         raise RequestError(f"--clips {clips}: holds {len(truths)} clips with crossings; right would be two or more")
     return truths
 
 
+class Scored(NamedTuple):
+    """What a clip was counted as, and what the camera said was wrong."""
+
+    counted: Counted
+    flags: list[str]
+
+
 def counted_with(
     program: Path, clips: Path, truths: Mapping[str, Mapping[str, Any]], tries: Sequence[str]
-) -> dict[str, Counted]:
-    """What each clip is counted as with these settings in place of the defaults."""
+) -> dict[str, Scored]:
+    """What becomes of each clip with these settings in place of the defaults."""
     counted = {}
     for name, truth in truths.items():
         with tempfile.TemporaryDirectory() as folder:
             said = run_camera(program, clips / truth["video"], truth, Path(folder), tries)
-        counted[name] = score_crossings(truth, [Event(c["frame"], c["lane"]) for c in said["crossings"]])
+        crossings = score_crossings(truth, [Event(c["frame"], c["lane"]) for c in said["crossings"]])
+        counted[name] = Scored(crossings, flags_of(said))
     return counted
 
 
 def leave_one_out(program: Path, clips: Path) -> dict[str, Any]:
     """Each clip with the settings that are best on the others: the F1 first, then the lane error, then the defaults."""
     truths = truths_of(clips)
-    found = {" ".join(tries) or "defaults": counted_with(program, clips, truths, tries) for tries in GRID}
+    found = {
+        " ".join(tries) or "defaults": {
+            name: scored.counted for name, scored in counted_with(program, clips, truths, tries).items()
+        }
+        for tries in GRID
+    }
     report: dict[str, Any] = {"clips": {}}
     left_out = []
     for name in truths:
@@ -213,8 +228,8 @@ def leave_one_out(program: Path, clips: Path) -> dict[str, Any]:
 
 
 def score_copies(program: Path, clips: Path, kinds: Sequence[str]) -> dict[str, Any]:
-    """The clips with crossings, changed by program: the pool of each kind of change; of `against` how many of the
-    vehicles were counted, none of which should be.
+    """The clips with crossings, changed by program: the pool of each kind of change, and the clips with flags; of
+    `against` how many of the vehicles were counted, none of which should be.
     """
     truths = truths_of(clips)
     report: dict[str, Any] = {"copies": {}}
@@ -226,19 +241,22 @@ def score_copies(program: Path, clips: Path, kinds: Sequence[str]) -> dict[str, 
                     clip_copies.copy_clip(clips / truth["video"], truth, kind, copies, name)
             except clip_copies.CopyError as error:
                 raise RequestError(str(error)) from None
-            changed = {name: read_truth(copies / f"{name}.json") for name in truths}
-            counted = list(counted_with(program, copies, changed, ()).values())
+            changed = truths_of(copies)
+            scored = counted_with(program, copies, changed, ())
+        flags = {name: one.flags for name, one in scored.items() if one.flags}
+        counted = [one.counted for one in scored.values()]
         if kind == "against":
             wrong = {"counted": sum(one.counted for one in counted), "of": sum(t["total"] for t in truths.values())}
-            report["copies"][kind] = wrong
-            print(f"{kind:<16} counted {wrong['counted']} of {wrong['of']}", flush=True)
+            report["copies"][kind] = {**wrong, "flags": flags}
+            line = f"{kind:<16} counted {wrong['counted']} of {wrong['of']}"
         else:
-            report["copies"][kind] = pooled(counted)
-            print(pool_line(kind, report["copies"][kind]), flush=True)
+            report["copies"][kind] = {**pooled(counted), "flags": flags}
+            line = pool_line(kind, report["copies"][kind])
+        print(f"{line}, flags {flags_line(flags)}", flush=True)
     return report
 
 
-def pool_line(name: str, pool: Mapping[str, float | None]) -> str:
+def pool_line(name: str, pool: Mapping[str, Any]) -> str:
     def share(key: str) -> str:
         value = pool[key]
         return "-" if value is None else f"{100 * value:.1f} %"
@@ -247,6 +265,11 @@ def pool_line(name: str, pool: Mapping[str, float | None]) -> str:
     return (
         f"{name:<16} count {share('count_error')}, lane {share('lane_error')}, F1 {'-' if f1 is None else f'{f1:.3f}'}"
     )
+
+
+def flags_line(flags: Mapping[str, Sequence[str]]) -> str:
+    """The clips whose camera said that something is wrong, with what it said."""
+    return ", ".join(f"{name} {'+'.join(said)}" for name, said in flags.items()) or "none"
 
 
 def table_of(report: Mapping[str, Any]) -> str:
@@ -332,6 +355,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return EXIT_DONE
         if not request.clips or not request.json:
             raise RequestError("--clips DIR and --json FILE are needed, or --write-lanes TRUTH FILE")
+        if (why := why_not_writable(Path(request.json))) is not None:
+            raise RequestError(f"--json {request.json}: {why[0]}; right would be {why[1]}")
         report = report_of(request)
         write_json(Path(request.json), report)
     except RequestError as error:
