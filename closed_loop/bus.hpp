@@ -30,11 +30,10 @@ extern "C" {
 namespace elmopp {
 
 /// One line of a list of troubles: KIND[:WHO]@FROM[-TO], seconds of the run.
-///   black, freeze, turn, gone   the camera of the approach WHO, or all; without TO to the end of the run
-///   lose                        WHO percent of the frames; without TO to the end of the run
-///   reset                       the controller's plug is pulled in the first green from FROM on, for TO - FROM
-///   seconds;
-///                               without TO it begins anew at once
+/// - black, freeze, turn, gone: the camera of the approach WHO, or all; without TO to the end of the run.
+/// - lose: WHO percent of the frames; without TO to the end of the run.
+/// - reset: the controller's plug is pulled in the first green from FROM on, for TO - FROM seconds; without TO it
+///   begins anew at once.
 struct Trouble {
     std::string kind;
     std::string who;
