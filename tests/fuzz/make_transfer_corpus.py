@@ -45,6 +45,7 @@ SEEDS = {
     "site_by_fault": bytes([SITE]) + ALL + bytes([TICKS, 40]),
     "site_by_time": bytes([SITE | BY_TIME]) + ALL + bytes([TICKS, 40]),
     "site_power_cut_in_its_trial": bytes([SITE]) + ALL + bytes([TICKS, 90, TROUBLE, POWER_CUT]),
+    "site_lamp_fault_in_its_start": bytes([SITE]) + ALL + bytes([TICKS, 0, TROUBLE, LAMP_FAULT, TICKS, 3]),
     "site_without_the_key": bytes([SITE, ASK, KEY_LET_GO]) + ALL + bytes([TICKS, 3]),
     "site_key_let_go": bytes([SITE, FIRST, TICKS, 0, GO_ON, 9, ASK, KEY_LET_GO, GO_ON, 10, TICKS, 3]),
     "site_that_breaks_a_rule": bytes([SITE, CHANGE, 40, 0, 255]) + ALL + bytes([TICKS, 3]),

@@ -241,7 +241,7 @@ def score_copies(program: Path, clips: Path, kinds: Sequence[str]) -> dict[str, 
                     clip_copies.copy_clip(clips / truth["video"], truth, kind, copies, name)
             except clip_copies.CopyError as error:
                 raise RequestError(str(error)) from None
-            changed = truths_of(copies)
+            changed = {name: truth for name, truth in all_truths(copies).items() if name in truths}
             scored = counted_with(program, copies, changed, ())
         flags = {name: one.flags for name, one in scored.items() if one.flags}
         counted = [one.counted for one in scored.values()]
