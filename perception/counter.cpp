@@ -214,6 +214,7 @@ struct Counter::Impl {
     double zone_step_s = 0.0;
     double paused_s = 0.0;
     bool doubted = false; ///< whether the picture still is that of the known road
+    cv::Point2d known_px; ///< where it was last: a camera that drifts goes on from there, `moved` or not
     double unfit_s = 0.0; ///< ... for how long it has been in place and not fitted
     cv::Point2d home_px;  ///< shift that is taken for right
     cv::Point2d stays_px; ///< shift of a camera that has moved
@@ -506,6 +507,7 @@ bool Counter::Impl::is_road_known(Registration::Result &placed, bool cut, double
     constexpr double doubted_after_s = 60.0;
     constexpr double patience_s = 1.0; // exposure and compression settle first
     if (!doubted && !cut && paused_s <= doubted_after_s) {
+        known_px = placed.sure ? placed.shift_px : known_px;
         return true;
     }
     if (learning) {
@@ -516,7 +518,7 @@ bool Counter::Impl::is_road_known(Registration::Result &placed, bool cut, double
         doubted = true;
         registration.hold();
     }
-    const bool in_place = placed.sure && cv::norm(placed.shift_px - home_px) <= Health::moved_px;
+    const bool in_place = placed.sure && cv::norm(placed.shift_px - known_px) <= Health::moved_px;
     if (in_place && paused_s <= forgotten_after_s && registration.fits()) {
         placed.gain = registration.recover();
         doubted = false;
