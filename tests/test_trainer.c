@@ -119,6 +119,20 @@ static void test_its_network_says_what_the_weights_say(void) {
     }
 }
 
+static void hold(float said[INPUTS]) {
+    for (uint32_t k = 0U; k < INPUTS; k++) {
+        said[k] = fminf(fmaxf(said[k], low[k]), high[k]);
+    }
+}
+
+static float squares_of(const float said[INPUTS], const float came[INPUTS]) {
+    float squares = 0.0F;
+    for (uint32_t k = 0U; k < INPUTS; k++) {
+        squares += (said[k] - came[k]) * (said[k] - came[k]);
+    }
+    return squares;
+}
+
 /* By the forecast's own rule, worked out here: fed, then on its own output in the clamp. */
 static void test_a_samples_error_is_that_of_a_forecast(void) {
     const elmopp_trainer_sample_t sample = sample_of_waves();
@@ -128,11 +142,8 @@ static void test_a_samples_error_is_that_of_a_forecast(void) {
     for (uint32_t t = 0U; t < WINDOW; t++) {
         elmopp_lstm_f32_step(&weights, &state, (t < sample.fed) ? seen[t] : said);
         elmopp_lstm_f32_output(&weights, &state, said);
-        for (uint32_t k = 0U; k < INPUTS; k++) {
-            said[k] = fminf(fmaxf(said[k], low[k]), high[k]);
-            const float error = said[k] - seen[t + 1U][k];
-            squares += (t >= sample.unscored) ? (error * error) : 0.0F;
-        }
+        hold(said);
+        squares += (t >= sample.unscored) ? squares_of(said, seen[t + 1U]) : 0.0F;
     }
     TEST_ASSERT_FLOAT_WITHIN(1e-6F, squares / (25.0F * 4.0F), take());
 }
@@ -161,11 +172,8 @@ static float error_in_whole_numbers(void) {
     for (uint32_t t = 0U; t < WINDOW; t++) {
         elmopp_lstm_q15_step(&whole, &state, (t < sample.fed) ? seen[t] : said);
         elmopp_lstm_q15_output(&whole, &state, said);
-        for (uint32_t k = 0U; k < INPUTS; k++) {
-            said[k] = fminf(fmaxf(said[k], low[k]), high[k]);
-            const float error = said[k] - seen[t + 1U][k];
-            squares += (t >= sample.unscored) ? (error * error) : 0.0F;
-        }
+        hold(said);
+        squares += (t >= sample.unscored) ? squares_of(said, seen[t + 1U]) : 0.0F;
     }
     return squares / (25.0F * 4.0F);
 }
