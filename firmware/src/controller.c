@@ -4,53 +4,18 @@
 #include "elmopp/controller.h"
 
 #include "elmopp/assert.h"
-#include "elmopp/image.h"
 #include "elmopp/site.h"
-
-#include "elmopp_can.h"
 
 #include <stddef.h>
 
-#define MS_PER_DS 100U
 #define DS_PER_S 10U
 #define FORETELL_DS                                                                                                    \
     1U /* so long after a decision the rest of the minute is foreseen, and told: a tick that has the time */
-#define WATCH_BYTES 64U /* a tick's share of the continuous checksums */
 #define EARLIEST_MS 50U /* between two ticks */
 #define WEIGHTS_ID_MASK 0x0FFFU
 #define FORESIGHTS 5U
 
-/* Time-outs are multiples of the DBC's cycle times. Feedback comes with every tick, is a tick old when it is looked at,
-   and may be missing for as long as it takes to lose three. */
-#define CYCLES_LOST 3U
-#define CAMERA_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_DETECTOR_COUNTS_CYCLE_TIME_MS) / MS_PER_DS)
-#define FEEDBACK_TIMEOUT_DS (((CYCLES_LOST * ELMOPP_CAN_LAMP_FEEDBACK_CYCLE_TIME_MS) / MS_PER_DS) + 2U)
-#define JUNCTION_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_JUNCTION_OCCUPIED_CYCLE_TIME_MS) / MS_PER_DS)
-#define NEIGHBOUR_TIMEOUT_DS ((CYCLES_LOST * ELMOPP_CAN_NEIGHBOUR_OUTFLOW_CYCLE_TIME_MS) / MS_PER_DS)
-#define COMMAND_TIMEOUT_DS 100U /* a person; after a pause any counter is good */
-
 /* --- continuous diagnosis --- */
-
-static elmopp_watch_t watch_over(const uint8_t *bytes, uint32_t length) {
-    const uint32_t sum = (bytes == NULL) ? 0U : elmopp_image_sum(ELMOPP_IMAGE_SUM_START, bytes, length);
-    return (elmopp_watch_t){.bytes = bytes, .length = length, .at = 0U, .sum = ELMOPP_IMAGE_SUM_START, .expected = sum};
-}
-
-/* A piece more; false when the whole has been summed up and is no longer what it was. */
-static bool is_unchanged(elmopp_watch_t *watch) {
-    if (watch->bytes == NULL) {
-        return true;
-    }
-    const uint32_t left = watch->length - watch->at;
-    const uint32_t piece = (left < WATCH_BYTES) ? left : WATCH_BYTES;
-    watch->sum = elmopp_image_sum(watch->sum, &watch->bytes[watch->at], piece);
-    watch->at += piece;
-    const bool whole = watch->at == watch->length;
-    const bool same = (!whole) || (watch->sum == watch->expected);
-    watch->at = whole ? 0U : watch->at;
-    watch->sum = whole ? ELMOPP_IMAGE_SUM_START : watch->sum;
-    return same;
-}
 
 static void raise_fault(elmopp_controller_t *self, elmopp_fault_t fault, uint32_t group) {
     if (self->fault == ELMOPP_FAULT_NONE) {
@@ -60,31 +25,18 @@ static void raise_fault(elmopp_controller_t *self, elmopp_fault_t fault, uint32_
 }
 
 static void diagnose(elmopp_controller_t *self) {
-    if (!is_unchanged(&self->site_watch)) {
+    if (!elmopp_watch_is_unchanged(&self->site_watch)) {
         raise_fault(self, ELMOPP_FAULT_SITE_CHANGED, ELMOPP_FAULT_NO_GROUP);
     }
-    if (!is_unchanged(&self->weights_watch)) {
+    if (!elmopp_watch_is_unchanged(&self->weights_watch)) {
         raise_fault(self, ELMOPP_FAULT_WEIGHTS_CHANGED, ELMOPP_FAULT_NO_GROUP);
     }
 }
 
 /* --- set-up --- */
 
-static void init_bus(elmopp_bus_t *bus, const elmopp_junction_t *junction) {
-    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-        elmopp_link_init(&bus->camera[i]);
-        elmopp_link_init(&bus->neighbour[i]);
-    }
-    for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
-        elmopp_link_init(&bus->node[n]);
-    }
-    elmopp_link_init(&bus->junction_camera);
-    elmopp_link_init(&bus->command);
-    bus->used_nodes = elmopp_junction_nodes(junction);
-}
-
 static void watch_weights(elmopp_controller_t *self, const elmopp_weights_t *weights) {
-    self->weights_watch = watch_over((const uint8_t *)weights, (uint32_t)sizeof *weights);
+    self->weights_watch = elmopp_watch_over((const uint8_t *)weights, (uint32_t)sizeof *weights);
     self->weights_id = (uint16_t)(self->weights_watch.expected & WEIGHTS_ID_MASK);
 }
 
@@ -97,8 +49,8 @@ void elmopp_controller_init(elmopp_controller_t *self, const elmopp_controller_c
     elmopp_pilot_init(&self->pilot, junction, &config->chooser, &forecast);
     elmopp_monitor_init(&self->monitor, junction);
     elmopp_detector_init(&self->detector, junction);
-    init_bus(&self->bus, junction);
-    self->site_watch = watch_over((const uint8_t *)junction, (uint32_t)sizeof *junction);
+    elmopp_bus_init(&self->bus, junction);
+    self->site_watch = elmopp_watch_over((const uint8_t *)junction, (uint32_t)sizeof *junction);
     watch_weights(self, config->forecast.weights);
     self->told_ds = UINT8_MAX;
 }
@@ -117,7 +69,7 @@ void elmopp_controller_report(elmopp_controller_t *self, elmopp_fault_t fault) {
 }
 
 void elmopp_controller_refuse(elmopp_controller_t *self, uint32_t count) {
-    self->bus.refused = (uint8_t)((self->bus.refused + count) & UINT8_MAX);
+    elmopp_bus_refuse(&self->bus, count);
 }
 
 void elmopp_controller_stop(elmopp_controller_t *self) {
@@ -205,83 +157,42 @@ static bool obey(elmopp_controller_t *self, elmopp_request_t request, uint32_t a
 
 /* --- frames in --- */
 
-static bool is_believed(elmopp_link_t *link, const elmopp_frame_t *frame, uint16_t timeout_ds) {
-    return elmopp_link_take(link, frame, frame->id, timeout_ds) == ELMOPP_LINK_OK;
-}
-
-static void take_feedback(elmopp_controller_t *self, uint32_t node, const elmopp_frame_t *frame) {
-    const elmopp_feedback_t feedback = elmopp_frames_feedback(frame);
-    for (uint32_t g = 0U; g < self->junction->group_count; g++) {
-        if (self->junction->group[g].node == node) {
-            elmopp_lamps_light(&self->bus.measured, g, elmopp_lamps_bits(&feedback.lamps, g));
-        }
-    }
-    const bool unwell = feedback.lamp_fault || feedback.own_fail_safe;
-    const uint32_t bit = (uint32_t)1U << node;
-    const uint32_t others = self->bus.unwell_nodes & ~bit;
-    self->bus.unwell_nodes = (uint8_t)(others | (unwell ? bit : 0U));
-}
-
 static void take_counts(elmopp_controller_t *self, uint32_t approach, const elmopp_frame_t *frame) {
     elmopp_detector_report_t report[ELMOPP_APPROACH_MOVEMENT_MAX];
     const uint8_t reason = elmopp_frames_counts(frame, report);
     elmopp_detector_take(&self->detector, approach, report, reason);
 }
 
-static void take_occupancy(elmopp_controller_t *self, const elmopp_frame_t *frame) {
-    const elmopp_occupancy_t occupancy = elmopp_frames_occupancy(frame);
-    self->bus.occupied = occupancy.valid && occupancy.occupied;
-}
-
 static bool take_command(elmopp_controller_t *self, const elmopp_frame_t *frame) {
     uint32_t argument = 0U;
     const elmopp_request_t request = elmopp_frames_command(frame, &argument);
-    return obey(self, request, argument);
-}
-
-/* The controller's own words from somebody else, whole and made for this bus. What counter they carry is no matter. */
-static bool is_second_controller(const elmopp_frame_t *frame) {
-    const bool own =
-        (frame->id == ELMOPP_CAN_LAMP_COMMAND_FRAME_ID) || (frame->id == ELMOPP_CAN_CONTROLLER_STATUS_FRAME_ID);
-    return own && elmopp_link_is_whole(frame);
+    const bool obeyed = obey(self, request, argument);
+    if (!obeyed) {
+        elmopp_bus_refuse(&self->bus, 1U);
+    }
+    return obeyed;
 }
 
 bool elmopp_controller_take(elmopp_controller_t *self, const elmopp_frame_t *frame) {
-    const uint32_t approach = (uint32_t)frame->id - ELMOPP_CAN_DETECTOR_COUNTS_FRAME_ID;
-    const uint32_t node = (uint32_t)frame->id - ELMOPP_CAN_LAMP_FEEDBACK_FRAME_ID;
-    const uint32_t neighbour = (uint32_t)frame->id - ELMOPP_CAN_NEIGHBOUR_OUTFLOW_FRAME_ID;
-    bool ours = true;
-    bool taken = false;
-    if ((approach < ELMOPP_APPROACH_MAX) && elmopp_mask_has(self->junction->cameras, approach)) {
-        taken = is_believed(&self->bus.camera[approach], frame, CAMERA_TIMEOUT_DS);
-        if (taken) {
-            take_counts(self, approach, frame);
-        }
-    } else if ((node < ELMOPP_NODE_MAX) && elmopp_mask_has(self->bus.used_nodes, node)) {
-        taken = is_believed(&self->bus.node[node], frame, FEEDBACK_TIMEOUT_DS);
-        if (taken) {
-            take_feedback(self, node, frame);
-        }
-    } else if ((frame->id == ELMOPP_CAN_JUNCTION_OCCUPIED_FRAME_ID) && (self->junction->junction_wait_ds > 0U)) {
-        taken = is_believed(&self->bus.junction_camera, frame, JUNCTION_TIMEOUT_DS);
-        if (taken) {
-            take_occupancy(self, frame);
-        }
-    } else if ((neighbour < ELMOPP_APPROACH_MAX) && (neighbour < self->junction->approach_count)) {
-        taken = is_believed(&self->bus.neighbour[neighbour], frame, NEIGHBOUR_TIMEOUT_DS);
-        if (taken) {
-            self->bus.outflow[neighbour] = elmopp_frames_outflow(frame);
-        }
-    } else if (frame->id == ELMOPP_CAN_COMMAND_FRAME_ID) {
-        taken = is_believed(&self->bus.command, frame, COMMAND_TIMEOUT_DS) && take_command(self, frame);
-    } else if (is_second_controller(frame)) {
-        taken = true;
+    const elmopp_news_t news = elmopp_bus_hear(&self->bus, frame);
+    bool taken = true;
+    switch (news.kind) {
+    case ELMOPP_NEWS_COUNTS:
+        take_counts(self, news.approach, frame);
+        break;
+    case ELMOPP_NEWS_COMMAND:
+        taken = take_command(self, frame);
+        break;
+    case ELMOPP_NEWS_SECOND:
         raise_fault(self, ELMOPP_FAULT_SECOND_CONTROLLER, ELMOPP_FAULT_NO_GROUP);
-    } else {
-        ours = false;
-    }
-    if (ours && (!taken)) {
-        self->bus.refused = (uint8_t)((self->bus.refused + 1U) & UINT8_MAX);
+        break;
+    case ELMOPP_NEWS_KEPT:
+        break;
+    case ELMOPP_NEWS_NOT_OURS:
+    case ELMOPP_NEWS_REFUSED:
+    default:
+        taken = false;
+        break;
     }
     return taken;
 }
@@ -313,20 +224,8 @@ static bool take_time(elmopp_controller_t *self, elmopp_ms_t now_ms) {
     return true;
 }
 
-static void age_links(elmopp_bus_t *bus) {
-    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-        elmopp_link_tick(&bus->camera[i]);
-        elmopp_link_tick(&bus->neighbour[i]);
-    }
-    for (uint32_t n = 0U; n < ELMOPP_NODE_MAX; n++) {
-        elmopp_link_tick(&bus->node[n]);
-    }
-    elmopp_link_tick(&bus->junction_camera);
-    elmopp_link_tick(&bus->command);
-}
-
 static void age(elmopp_controller_t *self) {
-    age_links(&self->bus);
+    elmopp_bus_tick(&self->bus);
     self->clear_ds = (self->clear_ds > 0U) ? (uint16_t)(self->clear_ds - 1U) : (uint16_t)0U;
     self->mode_ds = (self->mode_ds < UINT16_MAX) ? (uint16_t)(self->mode_ds + 1U) : self->mode_ds;
     self->told_ds = (self->told_ds < UINT8_MAX) ? (uint8_t)(self->told_ds + 1U) : self->told_ds;
@@ -339,19 +238,8 @@ static void age(elmopp_controller_t *self) {
 
 /* --- decisions, once a second --- */
 
-/* A neighbour that has fallen silent is as one that never spoke; between two frames what it said gets older. */
-static void age_neighbours(elmopp_bus_t *bus) {
-    for (uint32_t i = 0U; i < ELMOPP_APPROACH_MAX; i++) {
-        if (elmopp_link_fresh(&bus->neighbour[i], NEIGHBOUR_TIMEOUT_DS)) {
-            bus->outflow[i].age_s = (uint16_t)(bus->neighbour[i].age_ds / DS_PER_S);
-        } else {
-            bus->outflow[i].ahead_s = 0U;
-        }
-    }
-}
-
 static void every_second(elmopp_controller_t *self) {
-    age_neighbours(&self->bus);
+    elmopp_bus_second(&self->bus);
     elmopp_detector_second(&self->detector);
     elmopp_detector_counts(&self->detector, self->pilot.red_ds, self->present_veh, self->arrived_veh);
     const elmopp_counts_t counts = {.present_veh = self->present_veh,
@@ -364,24 +252,13 @@ static void every_second(elmopp_controller_t *self) {
 
 /* --- modes --- */
 
-static uint16_t fresh_groups(const elmopp_controller_t *self) {
-    uint16_t fresh = 0U;
-    for (uint32_t g = 0U; g < self->junction->group_count; g++) {
-        const uint32_t node = self->junction->group[g].node;
-        if ((node < ELMOPP_NODE_MAX) && elmopp_link_fresh(&self->bus.node[node], FEEDBACK_TIMEOUT_DS)) {
-            fresh |= (uint16_t)((uint32_t)1U << g);
-        }
-    }
-    return fresh;
-}
-
 /* Every node reports, is well, and shows nothing but what flashes. */
 static bool lamps_read_back(const elmopp_controller_t *self) {
     const elmopp_lamps_t *shown = &self->bus.measured;
     const uint32_t strange = ((uint32_t)shown->red & ~(uint32_t)self->lamps.red) |
                              ((uint32_t)shown->amber & ~(uint32_t)self->lamps.amber) | shown->green;
-    return (fresh_groups(self) == elmopp_junction_groups(self->junction)) && (self->bus.unwell_nodes == 0U) &&
-           (strange == 0U);
+    return (elmopp_bus_fresh_groups(&self->bus) == elmopp_junction_groups(self->junction)) &&
+           (self->bus.unwell_nodes == 0U) && (strange == 0U);
 }
 
 static uint32_t group_of_nodes(const elmopp_junction_t *junction, uint8_t nodes) {
@@ -474,15 +351,10 @@ static elmopp_stage_t wanted_stage(elmopp_controller_t *self) {
     return wanted;
 }
 
-/* Only what is known now: a camera that has fallen silent keeps nobody waiting. */
-static bool is_occupied(const elmopp_controller_t *self) {
-    return self->bus.occupied && elmopp_link_fresh(&self->bus.junction_camera, JUNCTION_TIMEOUT_DS);
-}
-
 static elmopp_lamps_t lamps_of_mode(elmopp_controller_t *self) {
     elmopp_lamps_t lamps = {0U, 0U, 0U, 0U};
     if (elmopp_mode_is_steady(self->mode)) {
-        lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted_stage(self), is_occupied(self));
+        lamps = elmopp_pilot_lamp_tick(&self->pilot, wanted_stage(self), elmopp_bus_is_occupied(&self->bus));
     } else if (self->mode != ELMOPP_MODE_DARK) {
         lamps = elmopp_lamps_flashing(self->junction, elmopp_junction_groups(self->junction));
     } else {
@@ -493,8 +365,10 @@ static elmopp_lamps_t lamps_of_mode(elmopp_controller_t *self) {
 
 /* What the monitor does not pass is never driven. */
 static elmopp_lamps_t judged(elmopp_controller_t *self, const elmopp_lamps_t *lamps) {
-    const elmopp_monitor_input_t input = {
-        .command = *lamps, .measured = self->bus.measured, .fresh = fresh_groups(self), .mode = self->mode};
+    const elmopp_monitor_input_t input = {.command = *lamps,
+                                          .measured = self->bus.measured,
+                                          .fresh = elmopp_bus_fresh_groups(&self->bus),
+                                          .mode = self->mode};
     if ((self->mode != ELMOPP_MODE_FAIL_SAFE) && (elmopp_monitor_check(&self->monitor, &input) != ELMOPP_FAULT_NONE)) {
         raise_fault(self, self->monitor.first, self->monitor.first_group);
         enter_mode(self, ELMOPP_MODE_FAIL_SAFE);
@@ -546,12 +420,12 @@ static uint32_t send(elmopp_controller_t *self, bool foretells, elmopp_frame_t o
     uint32_t count = 0U;
     const bool fail_safe = self->mode == ELMOPP_MODE_FAIL_SAFE;
     out[count] = elmopp_frames_lamp_command(&self->lamps, fail_safe, self->mode == ELMOPP_MODE_DARK);
-    elmopp_link_seal(&out[count], &self->bus.lamp_counter);
+    elmopp_link_seal(&out[count], &self->lamp_counter);
     count++;
     const elmopp_status_t status = status_of(self);
     if (is_news(self, &status)) {
         out[count] = elmopp_frames_status(&status);
-        elmopp_link_seal(&out[count], &self->bus.status_counter);
+        elmopp_link_seal(&out[count], &self->status_counter);
         count++;
         self->told = status;
         self->told_ds = 0U;
@@ -559,7 +433,7 @@ static uint32_t send(elmopp_controller_t *self, bool foretells, elmopp_frame_t o
     for (uint32_t i = 0U; foretells && (i < self->junction->approach_count); i++) {
         const elmopp_outlook_t outlook = outlook_on(self, i);
         out[count] = elmopp_frames_forecast(i, &outlook);
-        elmopp_link_seal(&out[count], &self->bus.forecast_counter[i]);
+        elmopp_link_seal(&out[count], &self->forecast_counter[i]);
         count++;
     }
     return count;

@@ -25,7 +25,7 @@ from elmopp_tools.outputs import EXIT_DIFFERENT, EXIT_DONE, EXIT_REFUSED, OneLin
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "cov"
 ROOMS = ROOT / "firmware" / "src"
-SAFETY_ROOMS = ("monitor", "plan", "link", "detector", "site")
+SAFETY_ROOMS = ("monitor", "plan", "link", "bus", "watch", "detector", "site")
 KINDS = ("lines", "branches", "mcdc")
 LIMIT_SAFETY = 100.0
 LIMIT_LINES = 95.0

@@ -79,6 +79,7 @@ ROOMS: dict[str, frozenset[str]] = {
     "site": LEVEL_0,
     "store": LEVEL_0,
     "timetable": LEVEL_0,
+    "watch": LEVEL_0,
     # level 2: what is learnt, for all models
     "weights": LEVEL_0 | MODELS,
     "lstm_quantize": LEVEL_0 | {"lstm_f32", "lstm_q15"},
@@ -98,7 +99,9 @@ ROOMS: dict[str, frozenset[str]] = {
     # level 2: what goes over the bus, in the core's words
     "frames": LEVEL_0 | {"detector", "link", "outflow"},
     "transfer": LEVEL_0 | {"link"},
-    # the other side of the bus, a device of its own
+    # level 3: the bus as the controller hears it
+    "bus": LEVEL_0 | {"detector", "frames", "link", "outflow"},
+    # the other side of it, a device of its own
     "lamp_node": LEVEL_0 | {"detector", "frames", "link", "outflow"},
     # level 5: the inner seam
     "pilot": LEVEL_0
@@ -121,6 +124,7 @@ ROOMS: dict[str, frozenset[str]] = {
     | MODELS
     | {
         "account",
+        "bus",
         "detector",
         "forecast",
         "frames",
@@ -132,6 +136,7 @@ ROOMS: dict[str, frozenset[str]] = {
         "plan",
         "site",
         "timetable",
+        "watch",
         "weights",
     },
 }
@@ -172,7 +177,7 @@ _COMMENT_OR_LITERAL = re.compile(r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?
 _INCLUDE = re.compile(r"^[ \t\v]*(?:#|%:)[ \t\v]*(?:include|include_next|import)\b[ \t\v]*(.*?)[ \t\v]*$", re.MULTILINE)
 # The codec that tools/can generates lies beside its definition, and only those who speak to the bus include it.
 CODEC_HEADER = '"elmopp_can.h"'
-CODEC_ROOMS = frozenset({"controller", "frames", "keeper", "lamp_node", "transfer"})
+CODEC_ROOMS = frozenset({"bus", "frames", "keeper", "lamp_node", "transfer"})
 
 _CORE_HEADER = re.compile(r'"elmopp/(\w+)\.h"')
 _SYMBOL = re.compile(r"(?P<member>.*): (?P<name>\S+) (?P<kind>\w)(?: |$)")

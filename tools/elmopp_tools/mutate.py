@@ -34,6 +34,8 @@ JUDGES = {
     "monitor": ("test_monitor", "test_controller", "test_safety"),
     "plan": ("test_plan", "test_plan_waiting", "test_plan_exhaustive", "test_plan_property", "test_safety"),
     "link": ("test_link", "test_controller", "test_controller_faults"),
+    "bus": ("test_bus", "test_controller", "test_controller_faults"),
+    "watch": ("test_watch",),
 }
 # A judge looks for the first failure: fewer random decisions than in its own run, but the same kinds.
 FEWER = {
@@ -41,13 +43,13 @@ FEWER = {
     "test_controller_faults": ["-DSTEPS=200U", "-DRUBBISH_TICKS=1500U"],
 }
 
-DESCRIPTION = "Breaks monitor, plan and link one token at a time and says which breaks no test finds."
+DESCRIPTION = "Breaks monitor, plan, link, bus and watch one token at a time and says which breaks no test finds."
 EPILOG = """\
 Exit codes: 0 every survivor is explained in tests/mutation/survivors.json; 1 one is not, or an explained one was found;
 2 the request cannot be run.
 
 Examples:
-  tools/mutate                   all mutants of all three rooms
+  tools/mutate                   all mutants of all five rooms
   tools/mutate plan --list       the mutants of one, not run"""
 
 

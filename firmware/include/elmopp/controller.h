@@ -3,16 +3,16 @@
 
 /// Controller: the junction as a whole. The outer seam between core and world: frames in, frames out.
 ///
-/// Joins link, detector, pilot, timetable, mode and monitor. It decides when each of them is asked, and which lamps are
-/// driven: the pilot's in the steady modes, flashing as the site says or darkness otherwise. Whatever the pilot says,
-/// the monitor sees it first; its first fault, or one of the controller's own, ends in flashing.
+/// Joins bus, detector, pilot, timetable, mode, monitor and watch. It decides when each of them is asked, and which
+/// lamps are driven: the pilot's in the steady modes, flashing as the site says or darkness otherwise. Whatever the
+/// pilot says, the monitor sees it first; its first fault, or one of the controller's own, ends in flashing.
 ///
 /// A fault latches. It is cleared only with the local reset input held, by the two commands clear_fault_prepare and
 /// clear_fault_confirm that both name it, within ELMOPP_CONTROLLER_CLEAR_DS of each other; anything less is refused and
 /// counted. What follows is Starting, never what was before.
 ///
 /// A site whose changes wait for an occupied junction listens to JunctionOccupied, too. A sign that is missing,
-/// invalid, or older than 0.6 s is none: a camera that fails costs nobody any time.
+/// invalid, or older than 0.6 s is none (bus.h): a camera that fails costs nobody any time.
 ///
 /// What neighbours have sent to an approach (NeighbourOutflow) becomes the beginning of the rows that the chooser sees,
 /// for as long as the road takes and the frame is no older than 3 s. Silent, stale or spoilt: as if never announced. It
@@ -37,14 +37,15 @@
 #ifndef ELMOPP_CONTROLLER_H
 #define ELMOPP_CONTROLLER_H
 
+#include "elmopp/bus.h"
 #include "elmopp/detector.h"
 #include "elmopp/fault.h"
 #include "elmopp/frames.h"
-#include "elmopp/link.h"
 #include "elmopp/mode.h"
 #include "elmopp/monitor.h"
 #include "elmopp/pilot.h"
 #include "elmopp/timetable.h"
+#include "elmopp/watch.h"
 
 /// Frames that one tick writes at most: LampCommand, ControllerStatus and a Forecast an approach.
 #define ELMOPP_FRAMES_PER_TICK (2U + ELMOPP_APPROACH_MAX)
@@ -64,33 +65,6 @@ typedef struct {
 
 /// Milliseconds of a monotonic clock; wraps.
 typedef uint32_t elmopp_ms_t;
-
-/// A checksum that goes round and round over data that must not change.
-typedef struct {
-    const uint8_t *bytes; ///< null: nothing to watch
-    uint32_t length;
-    uint32_t at;       ///< next byte
-    uint32_t sum;      ///< of the bytes before it
-    uint32_t expected; ///< of all
-} elmopp_watch_t;
-
-/// The bus as the controller sees it.
-typedef struct {
-    elmopp_link_t camera[ELMOPP_APPROACH_MAX];
-    elmopp_link_t neighbour[ELMOPP_APPROACH_MAX];
-    elmopp_link_t node[ELMOPP_NODE_MAX];
-    elmopp_link_t junction_camera;
-    elmopp_link_t command;
-    elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX]; ///< what neighbours have said, as of the last second
-    elmopp_lamps_t measured;                       ///< all nodes together
-    uint8_t used_nodes;                            ///< mask
-    uint8_t unwell_nodes;                          ///< mask: a lamp fault, or flashing by themselves
-    uint8_t lamp_counter;                          ///< of the frames to send
-    uint8_t status_counter;
-    uint8_t forecast_counter[ELMOPP_APPROACH_MAX];
-    uint8_t refused; ///< frames and commands, modulo 256
-    bool occupied;   ///< the junction camera knows that somebody stands in the junction, as last heard
-} elmopp_bus_t;
 
 /// State. Set up by elmopp_controller_init(); read it for a log, write nothing.
 typedef struct {
@@ -126,6 +100,9 @@ typedef struct {
     elmopp_ms_t due_ms;   ///< of the next
     elmopp_status_t told; ///< the last ControllerStatus
     uint8_t told_ds;      ///< its age
+    uint8_t lamp_counter; ///< of the frames to send
+    uint8_t status_counter;
+    uint8_t forecast_counter[ELMOPP_APPROACH_MAX];
 } elmopp_controller_t;
 
 /// Mode Starting. Asserts a junction that passes elmopp_site_check(): whoever has none drives no lamp, and the lamp
