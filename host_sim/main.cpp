@@ -11,6 +11,7 @@
 #include "experiment.hpp"
 #include "jobs.hpp"
 #include "learning_trial.hpp"
+#include "option_words.hpp"
 #include "road_network_trial.hpp"
 #include "run.hpp"
 #include "scenario.hpp"
@@ -20,7 +21,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <thread>
@@ -30,74 +30,9 @@ namespace {
 
 constexpr int exit_failed = 1;
 constexpr int exit_bad_request = 2;
-constexpr double most_vehicles = 100000.0;
 constexpr double most_trials = 100000.0;
 constexpr double most_jobs = 1024.0;
-constexpr double largest_share = 1e6;
 constexpr double largest_seed = 4294967295.0; ///< the seed is the upper half of the generator's state
-
-/// A whole number in a range. Throws BadRequest naming option and value.
-std::uint64_t whole(const std::string &option, const std::string &text, double lowest, double highest) {
-    double value = 0.0;
-    if (!parse_number(text, value) || value != std::floor(value) || value < lowest || value > highest) {
-        throw BadRequest(option + " \"" + text + "\": right would be a whole number from " + format_number(lowest, 12) +
-                         " to " + format_number(highest, 12));
-    }
-    return static_cast<std::uint64_t>(value);
-}
-
-unsigned vehicles_of(const std::string &text) {
-    return static_cast<unsigned>(whole("--vehicles", text, 1, most_vehicles));
-}
-
-/// What is asked for twice is run once.
-template <typename Value> std::vector<Value> distinct(const std::vector<Value> &values) {
-    std::vector<Value> once;
-    for (const auto &value : values) {
-        if (std::find(once.begin(), once.end(), value) == once.end()) {
-            once.push_back(value);
-        }
-    }
-    return once;
-}
-
-double share_of(const std::string &word) {
-    double share = 0.0;
-    if (!parse_number(word, share) || share < 0.0 || share > largest_share) {
-        throw BadRequest("--split \"" + word + "\": right would be numbers from 0 to 1000000, such as 0.2,0.6,0.2");
-    }
-    return share;
-}
-
-/// Empty if it was not given.
-std::vector<double> split_of(const CLI::App &command, const std::string &text) {
-    std::vector<double> shares;
-    for (const auto &word : command.count("--split") == 0 ? std::vector<std::string>() : split(text, ',')) {
-        shares.push_back(share_of(word));
-    }
-    if (!shares.empty() && *std::max_element(shares.begin(), shares.end()) <= 0.0) {
-        throw BadRequest("--split \"" + text + "\": the shares add up to 0; right would be at least one above 0");
-    }
-    return shares;
-}
-
-/// One of the words, as the value that belongs to it.
-template <typename Value>
-Value one_of(const std::string &option, const std::string &text,
-             const std::vector<std::pair<std::string, Value>> &words) {
-    std::vector<std::string> names;
-    for (const auto &[name, value] : words) {
-        if (name == text) {
-            return value;
-        }
-        names.push_back(name);
-    }
-    throw BadRequest(option + " \"" + text + "\": right would be one of " + join(names, ", "));
-}
-
-Integrator integrator_of(const std::string &text) {
-    return one_of<Integrator>("--integrator", text, {{"rk4", Integrator::rk4}, {"euler", Integrator::euler}});
-}
 
 /// The value if the option was given.
 template <typename Value> std::optional<Value> given(const CLI::App &command, const char *option, const Value &value) {
@@ -148,8 +83,9 @@ struct Texts {
     bool forecast_only = false;
 };
 
-Mapping mapping_of(const std::string &text) {
-    return one_of<Mapping>("--mapping", text, {{"abs", Mapping::abs}, {"shift", Mapping::shift}});
+/// Empty if they were not given.
+std::vector<double> given_shares(const CLI::App &command, const Texts &texts) {
+    return command.count("--split") > 0 ? shares_of(texts.split) : std::vector<double>();
 }
 
 unsigned jobs_of(const CLI::App &command, const Texts &texts) {
@@ -166,14 +102,6 @@ void add_traffic_options(CLI::App *command, Texts &texts) {
         ->type_name("SHARES");
 }
 
-std::vector<unsigned> vehicles_list(const std::string &text) {
-    std::vector<unsigned> vehicles;
-    for (const auto &word : text == "random" ? std::vector<std::string>() : split(text, ',')) {
-        vehicles.push_back(vehicles_of(word));
-    }
-    return distinct(vehicles);
-}
-
 ExperimentRequest experiment_request(const CLI::App &command, const Texts &texts) {
     ExperimentRequest request;
     const auto has = [&command](const char *option) { return command.count(option) > 0; };
@@ -184,7 +112,7 @@ ExperimentRequest experiment_request(const CLI::App &command, const Texts &texts
     request.seed = whole("--seed", texts.seed, 0, largest_seed);
     request.jobs = jobs_of(command, texts);
     request.out = texts.out;
-    request.split = split_of(command, texts.split);
+    request.split = given_shares(command, texts);
     request.mapping = mapping_of(texts.mapping);
     request.integrator = given(command, "--integrator", integrator_of(texts.integrator));
     request.count_scores = given(command, "--count-scores", std::filesystem::path(texts.count_scores));
@@ -264,19 +192,6 @@ void add_experiment(CLI::App &app, Texts &texts) {
     command->callback([command, &texts] { run_either(*command, texts); });
 }
 
-/// "inproc", "can:IFACE", "slcan:unix:PATH" or "slcan:tty:PATH".
-std::string link_of(const std::string &text) {
-    const std::vector<std::string> wires{"can:", "slcan:unix:", "slcan:tty:"};
-    const auto fits = [&text](const std::string &wire) {
-        return text.rfind(wire, 0) == 0 && text.size() > wire.size();
-    };
-    if (text != "inproc" && std::none_of(wires.begin(), wires.end(), fits)) {
-        throw BadRequest("--link \"" + text +
-                         "\": right would be inproc, can:IFACE, such as can:vcan0, slcan:unix:PATH or slcan:tty:PATH");
-    }
-    return text;
-}
-
 RunRequest run_request(const CLI::App &command, const Texts &texts) {
     RunRequest request;
     const auto has = [&command](const char *option) { return command.count(option) > 0; };
@@ -298,7 +213,7 @@ RunRequest run_request(const CLI::App &command, const Texts &texts) {
     request.log = given(command, "--log", std::filesystem::path(texts.log));
     request.full = texts.full;
     request.summary = given(command, "--summary", std::filesystem::path(texts.summary));
-    request.split = split_of(command, texts.split);
+    request.split = given_shares(command, texts);
     request.mapping = mapping_of(texts.mapping);
     request.integrator = given(command, "--integrator", integrator_of(texts.integrator));
     if (has("--link")) {
@@ -420,15 +335,6 @@ void add_accuracy(CLI::App &app, Texts &texts) {
     });
 }
 
-double speed_of(const std::string &text) {
-    double speed = 0.0;
-    if (!parse_number(text, speed) || !(speed >= lowest_speed && speed <= highest_speed)) {
-        throw BadRequest("--speed \"" + text + "\": right would be a number from " + format_number(lowest_speed, 6) +
-                         " to " + format_number(highest_speed, 6));
-    }
-    return speed;
-}
-
 void add_serve(CLI::App &app, Texts &texts) {
     auto *command = app.add_subcommand(
         "serve",
@@ -461,19 +367,6 @@ void add_serve(CLI::App &app, Texts &texts) {
         request.straight = texts.straight;
         serve(request);
     });
-}
-
-/// A chooser that reads a forecast, without one: the command gives it several.
-std::string reader_of(const std::string &text) {
-    const std::string name = text.substr(0, text.find('@'));
-    for (const auto &kind : chooser_kinds()) {
-        if (kind.name == name && kind.forecasts && text.find(':') == std::string::npos) {
-            (void)parse_chooser(text); // its options
-            return text;
-        }
-    }
-    throw BadRequest("--chooser \"" + text +
-                     "\": right would be a chooser that reads a forecast, without one, such as rollout or cumulative");
 }
 
 void add_learning(CLI::App &app, Texts &texts) {
