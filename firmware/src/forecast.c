@@ -305,9 +305,7 @@ static void run_on(elmopp_forecast_t *self, const elmopp_lstm_f32_net_t *net, ui
 /* Runs one group's recurrent network on its own output, from a copy of its memory. */
 static void fill_from_memory(elmopp_forecast_t *self, uint32_t group, uint32_t from, uint32_t steps) {
     const elmopp_weights_t *weights = self->config.weights;
-    const elmopp_lstm_f32_net_t net = elmopp_forecast_is_learnt(self)
-                                          ? elmopp_trainer_net(&self->config.learner->trainer)
-                                          : elmopp_lstm_f32_net(&weights->lstm);
+    const elmopp_lstm_f32_net_t net = net_in_use(self);
     float *said = self->run.said[group];
     if (from == 0U) {
         begin_run(self, group);
