@@ -10,7 +10,8 @@
 /// intergreen and start-up less the amber that is still driven. It is paid `changes` times, as who is left behind needs
 /// a change back. It is worked out from the site's table, never set.
 ///
-/// A vehicle counts e^(T/t_max - 1) on red (age.h) and 1 on green: who is left behind now waits a red of about t_max.
+/// A vehicle counts e^(T/t_max - 1) on red (age.h), T the lamps' as in the paper, and 1 on green: who is left behind
+/// now waits a red of about t_max.
 /// Movements that go in both stages are on neither side.
 ///
 /// Between min_s and max_s it leaves for the stage with the greatest lead above 0; from max_s on for the best other one
