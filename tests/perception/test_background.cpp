@@ -18,7 +18,6 @@
 namespace {
 
 using elmopp::Background;
-using elmopp::Direction;
 using elmopp::Lane;
 using elmopp::Patch;
 
@@ -75,6 +74,7 @@ Found film(double noise) {
     const Patch patch = Patch::across(film.lanes, picture);
     Background background(patch.valid());
     std::vector<Background::Sample> samples;
+    samples.reserve(learnt);
     for (int i = 0; i < learnt; ++i) {
         samples.push_back(film.next(patch, -1));
     }
