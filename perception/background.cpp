@@ -26,6 +26,7 @@ constexpr float unknown_noise = 0.015F;
 constexpr double noise_tau_s = 5.0;
 constexpr double noise_quantile = 0.35;
 constexpr float normal_quantile = 0.4538F * 1.414F;
+constexpr double grain_pace = 2.5; ///< near its quantile a pixel's noise then follows in about noise_tau_s
 
 int lengths(double lane_widths) {
     return std::max(1, static_cast<int>(std::lround(lane_widths * patch_unit)));
@@ -75,6 +76,22 @@ float quantile(const cv::Mat &of, const cv::Mat &where, double share) {
     return *at;
 }
 
+/// Of each pixel over several pictures.
+cv::Mat median_over(const std::vector<cv::Mat> &pictures) {
+    cv::Mat median(pictures.front().size(), CV_32F);
+    std::vector<float> values(pictures.size());
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    for (int r = 0; r < median.rows; ++r) {
+        for (int c = 0; c < median.cols; ++c) {
+            std::transform(pictures.begin(), pictures.end(), values.begin(),
+                           [r, c](const cv::Mat &picture) { return picture.at<float>(r, c); });
+            std::nth_element(values.begin(), middle, values.end());
+            median.at<float>(r, c) = *middle;
+        }
+    }
+    return median;
+}
+
 /// What a vehicle's outline encloses is the vehicle: a roof without edges.
 void fill_holes(cv::Mat &mask) {
     constexpr double largest = 0.6; // lane widths squared
@@ -112,6 +129,7 @@ std::pair<std::size_t, std::size_t> densest(const std::vector<std::pair<float, s
 
 Background::Background(cv::Mat valid, const Settings &settings) : valid_(std::move(valid)), settings_(settings) {
     still_s_ = cv::Mat::zeros(valid_.size(), CV_32F);
+    grain_ = cv::Mat(valid_.size(), CV_32F, cv::Scalar(noise_));
 }
 
 void Background::logarithms(const Sample &sample, Seen &seen) {
@@ -166,7 +184,7 @@ bool Background::learn_more(int &pixels) {
         red_ = lesson_->red;
         blue_ = lesson_->blue;
         gain_ = lesson_->samples.back().gain;
-        noise_ = noise_of(lesson_->samples);
+        learn_noise(lesson_->samples);
         before_.release();
         crept_.release();
         still_s_.setTo(0);
@@ -207,19 +225,45 @@ void Background::learn_row(Lesson &lesson) const {
 }
 
 /// From frames that follow one another: what moves is in the minority.
-float Background::noise_of(const std::vector<Sample> &samples) const {
-    std::vector<float> steps;
+void Background::learn_noise(const std::vector<Sample> &samples) {
+    constexpr std::size_t pairs = 10;
+    std::vector<cv::Mat> steps;
+    std::vector<float> usual;
     Seen one;
     Seen two;
-    for (std::size_t i = 1; i < samples.size(); i += std::max<std::size_t>(1, samples.size() / 10)) {
+    for (std::size_t i = 1; i < samples.size(); i += std::max<std::size_t>(1, samples.size() / pairs)) {
         logarithms(samples[i - 1], one);
         logarithms(samples[i], two);
-        const cv::Mat step = cv::abs(two.light - one.light);
-        steps.push_back(quantile(step, valid_, 0.5));
+        steps.push_back(cv::abs(two.light - one.light));
+        usual.push_back(quantile(steps.back(), valid_, 0.5));
     }
-    std::sort(steps.begin(), steps.end());
-    const float typical = steps.empty() ? unknown_noise * normal_median : steps[steps.size() / 2];
-    return std::clamp(typical / normal_median, least_noise, most_noise);
+    std::sort(usual.begin(), usual.end());
+    const float typical = usual.empty() ? unknown_noise * normal_median : usual[usual.size() / 2];
+    noise_ = std::clamp(typical / normal_median, least_noise, most_noise);
+    grain_.setTo(noise_);
+    if (!steps.empty()) {
+        grain_ = box(median_over(steps) / normal_median, 3); // few pairs, but neighbours are alike
+        cv::max(grain_, least_noise, grain_);
+        cv::min(grain_, most_noise, grain_);
+    }
+}
+
+/// Of all pixels, not of the road's alone: noise that has grown makes road look like something else. `share`: of the
+/// way to what the noise is now, taken with this step.
+void Background::follow_noise(const cv::Mat &step, double share) {
+    const float now = std::clamp(quantile(step, valid_, noise_quantile) / normal_quantile, least_noise, most_noise);
+    noise_ += static_cast<float>(share) * (now - noise_);
+    // Each pixel by itself: up and down by so much that both come to nothing at the quantile.
+    const auto up = static_cast<float>(std::exp(grain_pace * share * noise_quantile));
+    const auto down = static_cast<float>(std::exp(-grain_pace * share * (1 - noise_quantile)));
+    for (int r = 0; r < grain_.rows; ++r) {
+        auto *grain = grain_.ptr<float>(r);
+        const auto *moved = step.ptr<float>(r);
+        for (int c = 0; c < grain_.cols; ++c) {
+            const float factor = moved[c] > normal_quantile * grain[c] ? up : down;
+            grain[c] = std::clamp(grain[c] * factor, least_noise, most_noise);
+        }
+    }
 }
 
 void Background::rebase(double gain) {
@@ -271,7 +315,7 @@ Background::Seen Background::look(const Sample &sample) {
     cv::Mat change = seen.light - light_;
     const float clear =
         day_ ? static_cast<float>(sample.clear) : 1.0F; // at night little is light, and all of it counts
-    const float texture_limit = std::max(static_cast<float>(settings_.texture) * clear, 2.5F * noise_);
+    const cv::Mat texture_limit = cv::max(2.5 * grain_, settings_.texture * static_cast<double>(clear));
     cv::Mat texture = high_pass(change, fine_) > texture_limit;
     texture &= valid_;
     const cv::Mat plain = ~texture & valid_;
@@ -350,10 +394,8 @@ void Background::renew(const Seen &seen, double dt_s, const cv::Mat &held, doubl
     const auto rate = [dt_s](double tau_s) { return 1.0 - std::exp(-dt_s / tau_s); };
     if (!before_.empty()) {
         const cv::Mat step = cv::abs(seen.light - before_);
-        const cv::Mat quiet = step < std::max(0.03F, 3 * noise_);
-        // Of all pixels, not of the road's alone: noise that has grown makes road look like something else.
-        const float now = std::clamp(quantile(step, valid_, noise_quantile) / normal_quantile, least_noise, most_noise);
-        noise_ += static_cast<float>(rate(noise_tau_s)) * (now - noise_);
+        const cv::Mat quiet = step < cv::max(3 * grain_, 0.03);
+        follow_noise(step, rate(noise_tau_s));
         still_s_ += dt_s;
         still_s_.setTo(0, ~quiet);
     }

@@ -12,6 +12,10 @@
 /// vehicles that the road was learnt with and that have left (the road has more edges than the picture); and what
 /// became an object while nothing moved, light that has crept on.
 ///
+/// What is more than noise is judged by the noise of each pixel: a sensor's grey values are about equally uncertain, so
+/// that their logarithms are the more so the darker the road is, and a patch that is drawn between pixels evens noise
+/// out where it falls between four of them and not where it falls on one.
+///
 /// Lengths are in lane widths of patch_unit pixels, times in seconds. Owner: a section or a zone. Not thread-safe.
 
 #pragma once
@@ -100,7 +104,8 @@ class Background {
     };
 
     void learn_row(Lesson &lesson) const;
-    [[nodiscard]] float noise_of(const std::vector<Sample> &samples) const;
+    void learn_noise(const std::vector<Sample> &samples);
+    void follow_noise(const cv::Mat &step, double share);
     [[nodiscard]] cv::Mat beside_sharp(const cv::Mat &texture, const cv::Mat &change) const;
     void judge_road();
     void follow_crept(const Seen &seen);
@@ -116,7 +121,8 @@ class Background {
     cv::Mat still_s_;
     cv::Mat crept_;         ///< 255: an object that nothing brought
     cv::Mat object_before_; ///< objects of the last picture
-    float noise_ = 0.02F;
+    cv::Mat grain_;         ///< noise of each pixel
+    float noise_ = 0.02F;   ///< ... and of most of them
     double grey_ = 100.0;
     double gain_ = 0.0; ///< of the last second
     double judged_s_ = 0.0;

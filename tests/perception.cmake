@@ -12,7 +12,7 @@ target_link_libraries(camera_scene PUBLIC elmopp_perception PRIVATE elmopp_flags
 set_target_properties(camera_scene PROPERTIES INTERPROCEDURAL_OPTIMIZATION OFF)
 
 # Drawn traffic takes most of a minute under -Og and two under the sanitizers, which watch the counter at night.
-set(camera_tests test_camera_files test_counter)
+set(camera_tests test_background test_camera_files test_counter)
 if((NOT CMAKE_INTERPROCEDURAL_OPTIMIZATION) AND depends_on_no_build)
     list(APPEND camera_tests test_health)
 endif()
