@@ -38,6 +38,7 @@ struct elmopp_handle {
     std::unique_ptr<elmopp::Learning> learning;
     elmopp_pilot_t pilot{};
     elmopp_monitor_t monitor{};
+    bool oracle = false; ///< the caller foresees
     bool occupied = false;
 };
 
@@ -77,14 +78,6 @@ elmopp_lamps_t judged(elmopp_handle &self, const elmopp_lamps_t &lamps) {
                : elmopp_lamps_flashing(&self.junction, groups_that_exist(self));
 }
 
-ChooserSpec chooser_of(const elmopp_options_t &options, const elmopp_junction_t &junction) {
-    ChooserSpec spec = options.chooser != nullptr ? parse_chooser(options.chooser) : site_chooser(junction);
-    if (spec.forecast == "oracle") {
-        throw BadRequest("forecast oracle: nobody knows the future here; right would be any other forecast");
-    }
-    return spec;
-}
-
 const elmopp_weights_t *weights_of(elmopp_handle &self, const elmopp_options_t &options, const std::string &forecast) {
     if (options.weights == nullptr) {
         return shipped_weights(forecast);
@@ -113,7 +106,8 @@ std::unique_ptr<elmopp_handle> open(const elmopp_options_t &options) {
     }
     auto self = std::make_unique<elmopp_handle>();
     self->junction = site_of_image(options.site, options.site_bytes);
-    const ChooserSpec spec = chooser_of(options, self->junction);
+    const ChooserSpec spec = options.chooser != nullptr ? parse_chooser(options.chooser) : site_chooser(self->junction);
+    self->oracle = spec.forecast == "oracle";
     self->plugged = make_chooser(spec, Setting{self->junction, true, false, travel_of(options, self->junction),
                                                options.seed, self->downstream_veh.data()});
     self->ar8.fill(shipped_weights("lstm")->ar8);
@@ -152,6 +146,27 @@ std::optional<Outflows> outflow_of(const elmopp_handle &self, const elmopp_secon
         outflow.at(i) = {said.next10_veh, said.next30_veh, said.next60_veh, static_cast<std::uint16_t>(ahead_s), 0};
     }
     return outflow;
+}
+
+/// The rows of a second for an oracle, no rows for anybody else; no value if it has them for the wrong one, or if a
+/// number is no count.
+std::optional<elmopp_foreseen_t> foreseen_of(const elmopp_handle &self, const elmopp_second_t &second) {
+    static_assert(ELMOPP_FORESEEN_MAX_S == ELMOPP_HORIZON_MAX);
+    const std::uint32_t steps = second.foreseen_s;
+    const bool given = second.foreseen_veh != nullptr && steps > 0;
+    if (given != self.oracle || steps > ELMOPP_FORESEEN_MAX_S) {
+        return std::nullopt;
+    }
+    elmopp_foreseen_t foreseen{};
+    foreseen.steps = static_cast<std::uint16_t>(steps);
+    for (std::uint32_t i = 0; given && i < self.junction.approach_count; ++i) {
+        const float *row_veh = second.foreseen_veh + static_cast<std::size_t>(i) * steps;
+        if (!std::all_of(row_veh, row_veh + steps, elmopp_pilot_is_count)) {
+            return std::nullopt;
+        }
+        foreseen.row_veh[i] = row_veh;
+    }
+    return foreseen;
 }
 
 std::int32_t stage_or_none(const elmopp_handle &self, elmopp_stage_t stage) {
@@ -207,7 +222,8 @@ int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
     const elmopp_second_t ours = elmopp::in_our_size(*second);
     const auto downstream_veh = elmopp::downstream_of(*self, ours);
     const auto outflow = elmopp::outflow_of(*self, ours);
-    if (!downstream_veh || !outflow) {
+    const auto foreseen = elmopp::foreseen_of(*self, ours);
+    if (!downstream_veh || !outflow || !foreseen) {
         self->occupied = false;
         elmopp_pilot_step_blind(&self->pilot);
         return ELMOPP_REFUSED;
@@ -215,7 +231,7 @@ int elmopp_count(elmopp_t *self, const elmopp_second_t *second) {
     // Only the chooser reads them, and the pilot asks it only in a second that it believes: none reads a refused one's.
     self->downstream_veh = *downstream_veh;
     const elmopp_counts_t counts{ours.present_veh, ours.arrived_veh, ours.recall, outflow->data()};
-    const bool believed = elmopp_pilot_step(&self->pilot, &counts, nullptr);
+    const bool believed = elmopp_pilot_step(&self->pilot, &counts, self->oracle ? &*foreseen : nullptr);
     elmopp_pilot_look_on(&self->pilot);
     self->occupied = believed && ours.occupied != 0;
     return believed ? ELMOPP_DONE : ELMOPP_REFUSED;

@@ -35,8 +35,9 @@ uint32_t elmopp_abi_version(void);
 
 #define ELMOPP_TRAVEL_OF_SITE 0xFFFFFFFFU ///< elmopp_options_t.travel_s: the caller does not say
 #define ELMOPP_NO_STAGE (-1)              ///< no stage is shown, or no wish
-#define ELMOPP_ASPECT_BYTES 17   ///< an aspect a signal group as a digit, unused groups 0, and a terminating zero
-#define ELMOPP_MESSAGE_BYTES 256 ///< enough for every message
+#define ELMOPP_ASPECT_BYTES 17     ///< an aspect a signal group as a digit, unused groups 0, and a terminating zero
+#define ELMOPP_MESSAGE_BYTES 256   ///< enough for every message
+#define ELMOPP_FORESEEN_MAX_S 150U ///< no chooser looks further ahead
 
 /// What a call answers.
 enum {
@@ -53,7 +54,8 @@ typedef struct {
     uint32_t size;             ///< sizeof(elmopp_options_t)
     uint32_t site_bytes;       ///< length of the image
     const unsigned char *site; ///< an image as tools/site --image makes it
-    const char *chooser; ///< NAME[@OPTION=VALUE][:FORECAST] as host_sim list names them; null: what the site names
+    const char *chooser; ///< NAME[@OPTION=VALUE][:FORECAST] as host_sim list names them; null: what the site names.
+                         ///< With forecast oracle the caller foresees: elmopp_second_t.foreseen_veh
     const unsigned char *weights; ///< an image as tools/weights --image makes it; null: the networks that are built in
     uint32_t weights_bytes;
     uint32_t travel_s; ///< from the edge of the counted reach to the stop line on an empty road, 0: counted when there,
@@ -79,6 +81,9 @@ typedef struct {
     const float *downstream_veh;         ///< vehicles on the road that the movement leads to; null: nobody knows
     uint32_t occupied;                   ///< 1: a vehicle stands inside the junction; 0: none does, or nobody knows
     const elmopp_announced_t *announced; ///< elmopp_shape_t.approaches values; null: no neighbour speaks
+    const float *foreseen_veh; ///< [approach][foreseen_s] vehicles that will come into the reach in each of the next
+                               ///< seconds, one row after another: for forecast oracle, null for any other
+    uint32_t foreseen_s;       ///< 1 to ELMOPP_FORESEEN_MAX_S, 0 without rows
 } elmopp_second_t;
 
 /// How many there are of everything, in the order of the site.
@@ -101,9 +106,10 @@ void elmopp_close(elmopp_t *self);
 int elmopp_shape(const elmopp_t *self, elmopp_shape_t *out);
 
 /// Takes a second's counts and asks the chooser. `occupied` holds until the next call: a change of stage waits for it
-/// as long as the site says (junction_wait_ds), whoever chooses. ELMOPP_REFUSED for a value of any of the four arrays
-/// that is negative, not finite or beyond a million: nothing is learnt, the wish stays, everybody on red counts as
-/// waiting, and the junction as empty.
+/// as long as the site says (junction_wait_ds), whoever chooses. ELMOPP_REFUSED for a value of any of the five arrays
+/// that is negative, not finite or beyond a million, and for a second without rows where the forecast is oracle, or
+/// with rows where it is not: nothing is learnt, the wish stays, everybody on red counts as waiting, and the junction
+/// as empty.
 int elmopp_count(elmopp_t *self, const elmopp_second_t *second);
 
 /// Moves the lamps by 100 ms and writes what they show, one digit a group: 0 dark, 1 red, 2 red-amber, 3 green, 4

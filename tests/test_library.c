@@ -319,6 +319,88 @@ static void test_announcements_that_are_no_numbers_are_refused(void) {
     TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
 }
 
+static float foreseen_veh[ELMOPP_APPROACH_MAX * ELMOPP_FORESEEN_MAX_S];
+
+static void foresee_at_random(uint64_t *seed, uint32_t approaches, uint32_t seconds) {
+    for (uint32_t k = 0U; k < (approaches * seconds); k++) {
+        foreseen_veh[k] = (float)(random_next(seed) % 3U);
+    }
+    second.foreseen_veh = foreseen_veh;
+    second.foreseen_s = seconds;
+}
+
+/* One second of both; rows of the same numbers. */
+static void expect_the_same_second(elmopp_pilot_t *pilot, const elmopp_junction_t *site) {
+    const uint32_t seconds = second.foreseen_s;
+    const elmopp_counts_t counts = {.present_veh = present_veh, .arrived_veh = arrived_veh};
+    elmopp_foreseen_t rows = {.steps = (uint16_t)seconds};
+    for (uint32_t i = 0U; i < site->approach_count; i++) {
+        rows.row_veh[i] = &foreseen_veh[i * seconds];
+    }
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    TEST_ASSERT_TRUE(elmopp_pilot_step(pilot, &counts, &rows));
+    for (uint32_t s = 0U; s < site->stage_count; s++) {
+        TEST_ASSERT_EQUAL_FLOAT(pilot->score[s], elmopp_score(junction, s));
+    }
+    for (uint32_t i = 0U; i < site->approach_count; i++) {
+        float sum_veh = 0.0F;
+        for (uint32_t k = 0U; (k < seconds) && (k < 60U); k++) {
+            sum_veh += foreseen_veh[(i * seconds) + k];
+        }
+        TEST_ASSERT_EQUAL_FLOAT(sum_veh, elmopp_foreseen_veh(junction, i));
+    }
+    for (uint32_t k = 0U; k < TICKS; k++) {
+        TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_tick(junction, ELMOPP_NO_STAGE, aspects));
+        (void)elmopp_pilot_lamp_tick(pilot, pilot->wanted, false);
+    }
+}
+
+/* The scores of the cumulative urgency hang on every row; rows are of another length in every second. */
+static void test_what_an_oracle_foresees_is_what_the_pilot_gets(void) {
+    const elmopp_junction_t *const site = &elmopp_site_three_way;
+    open_site(site, "cumulative:oracle");
+    elmopp_urgency_t urgency;
+    const elmopp_urgency_options_t window = {
+        .cumulative = true, .min_s = site->hold_min_s, .max_s = site->hold_max_s, .hysteresis = 1.0F};
+    const elmopp_chooser_t chooser = elmopp_urgency_init(&urgency, &window);
+    const elmopp_forecast_config_t none = {.kind = ELMOPP_FORECAST_NONE};
+    elmopp_pilot_t pilot;
+    elmopp_pilot_init(&pilot, site, &chooser, &none);
+    uint64_t seed = 7U;
+    for (uint32_t t = 0U; t < 200U; t++) {
+        count_at_random(&seed, site->movement_count);
+        const uint32_t seconds = 1U + (uint32_t)(random_next(&seed) % ELMOPP_FORESEEN_MAX_S);
+        foresee_at_random(&seed, site->approach_count, seconds);
+        expect_the_same_second(&pilot, site);
+    }
+}
+
+static void test_an_oracle_has_rows_and_nobody_else_has(void) {
+    uint64_t seed = 1U;
+    open_site(&elmopp_site_four_way, "rollout:oracle");
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    foresee_at_random(&seed, 4U, ELMOPP_FORESEEN_MAX_S);
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    const float bad[] = {-1.0F, (float)NAN, (float)INFINITY, 1.1e6F};
+    for (uint32_t i = 0U; i < sizeof bad / sizeof bad[0]; i++) {
+        foreseen_veh[(4U * ELMOPP_FORESEEN_MAX_S) - 1U] = bad[i];
+        TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    }
+    second.foreseen_s = ELMOPP_FORESEEN_MAX_S - 1U; /* the bad one lies beyond the rows now */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    second.foreseen_s = ELMOPP_FORESEEN_MAX_S + 1U;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    second.foreseen_s = 0U;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    second.foreseen_s = 1U;
+    second.size = offsetof(elmopp_second_t, foreseen_veh); /* a caller who does not know of it */
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+    open_site(&elmopp_site_four_way, "rollout:ewma");
+    TEST_ASSERT_EQUAL_INT(ELMOPP_DONE, elmopp_count(junction, &second));
+    second.size = sizeof second;
+    TEST_ASSERT_EQUAL_INT(ELMOPP_REFUSED, elmopp_count(junction, &second));
+}
+
 /* 100 m at 50 km/h take 8 s, at 30 km/h 12: who is counted is queued so much later, and is let go so much later. */
 static void test_the_way_to_the_stop_line_may_be_the_sites(void) {
     elmopp_junction_t slow = elmopp_site_four_way;
@@ -379,8 +461,6 @@ static void test_what_cannot_be_opened_says_why(void) {
     name_site(test_sites[0]);
     options.chooser = "nave";
     expect_refused("unknown chooser \"nave\"");
-    options.chooser = "cumulative:oracle";
-    expect_refused("forecast oracle");
     options.chooser = NULL;
     options.site = NULL;
     expect_refused("options.site is missing");
@@ -424,6 +504,8 @@ int main(void) {
     RUN_TEST(test_a_change_waits_for_an_occupied_junction_as_the_site_says);
     RUN_TEST(test_what_a_neighbour_announces_is_foreseen_in_its_second_and_not_kept);
     RUN_TEST(test_announcements_that_are_no_numbers_are_refused);
+    RUN_TEST(test_what_an_oracle_foresees_is_what_the_pilot_gets);
+    RUN_TEST(test_an_oracle_has_rows_and_nobody_else_has);
     RUN_TEST(test_the_way_to_the_stop_line_may_be_the_sites);
     RUN_TEST(test_structs_of_another_size);
     RUN_TEST(test_what_cannot_be_opened_says_why);

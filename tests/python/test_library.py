@@ -164,7 +164,29 @@ def test_bad_requests_name_the_value() -> None:
             junction.count(full[1:], full)
         with pytest.raises(LibraryError, match="wish 99"):
             junction.tick(99)
+        with pytest.raises(LibraryError, match="4 foreseen rows ; none, or forecast oracle"):
+            junction.count(full, full, foreseen_veh=[[1.0]] * 4)
+    with CoreJunction(IMAGE, "rollout:oracle") as junction:
+        for rows, wrong in (
+            ([], "0 foreseen rows ; a row of seconds an approach"),
+            ([[1.0]] * 3, "4 of one length"),
+            ([[1.0], [1.0], [1.0], [1.0, 2.0]], r"\[1, 1, 1, 2\] seconds ; 4 of one length"),
+            ([[]] * 4, "of 0 seconds ; 1 to 150"),
+            ([[1.0] * 151] * 4, "of 151 seconds ; 1 to 150"),
+            ([[1.0], [1.0], [1.0], [-1.0]], "finite numbers"),
+        ):
+            with pytest.raises(LibraryError, match=wrong):
+                junction.count(full, full, foreseen_veh=rows)
     assert issubclass(FaultError, Exception)
+
+
+def test_an_oracles_rows_are_what_is_foreseen() -> None:
+    with CoreJunction(IMAGE, "rollout:oracle") as junction:
+        nobody = [0.0] * junction.shape.movements
+        junction.count(nobody, nobody, foreseen_veh=[[float(approach)] * 50 for approach in range(4)])
+        assert [junction.foreseen_veh(approach) for approach in range(4)] == [0.0, 50.0, 100.0, 150.0]
+        junction.count(nobody, nobody, foreseen_veh=[[0.0, 1.0]] * 4)
+        assert [junction.foreseen_veh(approach) for approach in range(4)] == [1.0] * 4
 
 
 def test_junctions_are_independent() -> None:

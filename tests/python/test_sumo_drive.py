@@ -14,6 +14,7 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
+from elmopp_tools.library import LibraryError
 from elmopp_tools.sumo_signal import Phase, Programme, Signal, Times, read_signal
 
 for absent in ("libsumo", "sumolib"):
@@ -276,6 +277,7 @@ class Noted:
         self.told: list[tuple[list[float], list[float], list[float]]] = []
         self.occupied: list[bool] = []
         self.announced: list[object] = []
+        self.foreseen: list[Sequence[Sequence[float]]] = []
 
     def drive(
         self,
@@ -285,8 +287,10 @@ class Noted:
         *,
         occupied: bool,
         announced: object,
+        foreseen_veh: Sequence[Sequence[float]],
     ) -> None:
         self.announced.append(announced)
+        self.foreseen.append(foreseen_veh)
         self.told.append((list(present_veh), list(arrived_veh), list(downstream_veh)))
         self.occupied.append(occupied)
 
@@ -308,6 +312,31 @@ def test_everybody_hears_what_his_own_neighbours_say(drive: Any, signal: Signal)
     assert [driver.announced for driver in drivers] == [[["to the first"]], [["to the second"]]]
     drive.Street([signal, signal], [sight(), sight()], drivers).second()
     assert [driver.announced[-1] for driver in drivers] == [(), ()]
+
+
+def test_what_one_street_has_seen_the_next_one_foresees(drive: Any, sumo: Sumo, signal: Signal) -> None:
+    """N is the first approach, E the second."""
+    seen = sight(("N_0", 0.0, ((N, 1.0),)), ("E_0", 0.0, ((E, 1.0),)))
+    steps: list[dict[str, dict[str, float]]] = [{"N_0": {"a": 1.0}}, {"N_0": {"a": 9.0, "b": 0.0}}, {"E_0": {"c": 0.0}}]
+
+    def drive_by(street: Any) -> Any:
+        for sumo.lanes in steps:
+            street.second()
+        return street.record
+
+    blind, told = Noted(), Noted()
+    record = drive_by(drive.Street([signal], [seen], [blind]))
+    assert record.first_s == [{"a": 1, "b": 2, "c": 3}]
+    drive_by(drive.Street([signal], [seen], [told], foresight=record))
+    assert blind.foreseen == [(), (), ()]
+    assert told.foreseen == [record.rows(0, second) for second in (1, 2, 3)]
+    assert [[row[:3] for row in rows] for rows in told.foreseen[:2]] == [[[1, 0, 0], [0, 1, 0]], [[0, 0, 0], [1, 0, 0]]]
+
+
+def test_an_oracle_without_a_record_is_refused(drive: Any, signal: Signal) -> None:
+    with pytest.raises(LibraryError, match="0 foreseen rows ; a row of seconds an approach"):
+        drive.Driver(signal, TIMES, REACH_M, "rollout:oracle", 1)
+    drive.Driver(signal, TIMES, REACH_M, "rollout:oracle", 1, [[0.0, 1.0]] * 2).close()
 
 
 def test_everybody_decides_with_the_counts_of_this_second(drive: Any, sumo: Sumo, signal: Signal) -> None:

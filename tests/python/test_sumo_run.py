@@ -267,7 +267,10 @@ def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
     assert 'unknown chooser "nave"' in text
     assert "naive" in text
     assert "static" in text
-    assert "oracle" in refused(*scenario, "--chooser", "cumulative:oracle")
+    assert "reads no forecast" in refused(*scenario, "--chooser", "pressure:oracle")
+    assert "--foretold with --chooser naive" in refused(*scenario, "--chooser", "naive", "--foretold", "x.csv")
+    oracle = (*scenario, "--chooser", "cumulative:oracle")
+    assert "no/folder" in refused(*oracle, "--foretold", "no/folder/x.csv")
     assert "'0'" in refused(*scenario, "--chooser", "naive", "--min-green", 0)
     assert "--max-green 4 is below --min-green 5" in refused(*scenario, "--chooser", "naive", "--max-green", 4)
     assert "'5-1'" in refused(*scenario, "--chooser", "naive", "--seeds", "5-1")
@@ -357,6 +360,58 @@ def test_neighbours_where_nobody_has_one_are_refused(simple: tuple[Path, Path]) 
     words = ("--net", simple[0], "--routes", simple[1], "--end", 60, "--neighbours", "--chooser")
     assert "no road leads from one signal to the reach of another" in refused(*words, "naive")
     assert "--neighbours with --chooser static" in refused(*words, "static")
+
+
+# --- an oracle ---
+
+
+def steady_traffic(folder: Path) -> Path:
+    """Nobody dawdles, and too few come for a queue of 100 m: who comes when does not hang on the signals."""
+    file = traffic(folder, end_s=300, per_s=0.03)
+    steady = '<vType id="DEFAULT_VEHTYPE" sigma="0" speedDev="0"/>'
+    file.write_text(file.read_text().replace("<routes>", f"<routes>{steady}"))
+    return file
+
+
+def test_an_oracle_is_told_who_comes(tmp_path: Path) -> None:
+    net, routes = cross(tmp_path), steady_traffic(tmp_path)
+    probe = ROOT / "tests" / "python" / "sumo_oracle_probe.py"
+    words = [str(word) for word in (PYTHON, probe, net, routes, 300)]
+    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
+    found = json.loads(done.stdout.splitlines()[-1])
+    told, came = found["told"], found["came"]
+    assert (len(told), len(came)) == (301, 300)
+    assert sum(map(sum, came)) > 20
+    for second, rows in enumerate(told):
+        later = came[second : second + 150]
+        nobody = [0.0] * (150 - len(later))
+        assert rows == [[counts[arm] for counts in later] + nobody for arm in range(4)]
+
+
+def test_it_says_how_well_an_oracle_was_told(simple: tuple[Path, Path], tmp_path: Path) -> None:
+    file = tmp_path / "foretold.csv"
+    words = ("--end", 300, "--chooser", "rollout:oracle", "--seeds", "1-2", "--foretold", file)
+    rows = sumo_run("--net", simple[0], "--routes", simple[1], *words)
+    assert [row["forecast"] for row in rows] == ["oracle", "oracle"]
+    with file.open(encoding="utf-8", newline="") as stream:
+        told = list(csv.DictReader(stream))
+    assert [(row["scenario"], row["chooser"], row["seed"]) for row in told] == [
+        ("cross", "rollout", "1"),
+        ("cross", "rollout", "2"),
+    ]
+    for row in told:
+        assert int(row["vehicles"]) > 80
+        assert 0.5 < float(row["within_0_s"]) < float(row["within_1_s"]) <= float(row["within_3_s"]) <= 1.0
+        assert 0.0 < float(row["skill"]) < 1.0, "drivers dawdle as chance has it"
+
+
+def test_who_foresees_beats_who_sees_only_the_last_20_metres(simple: tuple[Path, Path]) -> None:
+    words = ("--net", simple[0], "--routes", simple[1], "--end", 600, "--reach", 20, "--seeds", "1-4", "--chooser")
+    alone, told = (
+        sum(float(row["delay_s"]) for row in sumo_run(*words, chooser))
+        for chooser in ("rollout", "rollout@rows=10@weight=1:oracle")
+    )
+    assert told < alone
 
 
 def test_without_sumo_it_says_what_to_do(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ NO_STAGE = -1
 TRAVEL_OF_SITE = 0xFFFFFFFF
 ASPECT_BYTES = 17
 MESSAGE_BYTES = 256
+FORESEEN_MAX_S = 150
 REFUSED = 1
 FAULT = 2
 
@@ -69,6 +70,8 @@ class _Second(ctypes.Structure):
         ("downstream_veh", ctypes.POINTER(ctypes.c_float)),
         ("occupied", ctypes.c_uint32),
         ("announced", ctypes.POINTER(Announced)),
+        ("foreseen_veh", ctypes.POINTER(ctypes.c_float)),
+        ("foreseen_s", ctypes.c_uint32),
     )
 
 
@@ -157,7 +160,9 @@ class CoreJunction:
         row = ctypes.c_float * max(1, self.shape.movements)
         self._rows = (row(), row(), row())
         self._announced = (Announced * max(1, self.shape.approaches))()
-        self._second = _Second(ctypes.sizeof(_Second), 0, *self._rows, 0, self._announced)
+        self._oracle = (chooser or "").endswith(":oracle")
+        self._foreseen = (ctypes.c_float * (max(1, self.shape.approaches) * FORESEEN_MAX_S))()
+        self._second = _Second(ctypes.sizeof(_Second), 0, *self._rows, 0, self._announced, self._foreseen, 0)
         self._aspects = ctypes.create_string_buffer(ASPECT_BYTES)
 
     def __enter__(self) -> Self:
@@ -182,20 +187,37 @@ class CoreJunction:
         *,
         occupied: bool = False,
         announced: Sequence[Announced] = (),
+        foreseen_veh: Sequence[Sequence[float]] = (),
     ) -> None:
         """Takes one second's counts, a value a movement; LibraryError for values that are no counts.
 
         `occupied`: somebody is known to stand inside the junction. `announced`: what neighbours say, a value an
-        approach, or none at all.
+        approach, or none at all. `foreseen_veh`: who will come, a row of seconds an approach, all of one length: for
+        the forecast oracle and nobody else.
         """
         nothing = [0.0] * self.shape.movements
         for row, values in zip(self._rows, (present_veh, arrived_veh, downstream_veh or nothing), strict=True):
             row[: self.shape.movements] = list(values)
         self._second.recall, self._second.occupied = recall, occupied
         self._announced[: self.shape.approaches] = list(announced) or [Announced()] * self.shape.approaches
+        self._foresee(foreseen_veh)
         if self._library.elmopp_count(self._handle, ctypes.byref(self._second)) == REFUSED:
             counts = ", ".join(str(list(row[: self.shape.movements])) for row in self._rows)
             raise LibraryError(f"counts {counts} ; finite numbers from 0 to a million")
+
+    def _foresee(self, rows_veh: Sequence[Sequence[float]]) -> None:
+        """Lays the rows one after another, as the library wants them."""
+        seconds = len(rows_veh[0]) if rows_veh else 0
+        if bool(rows_veh) != self._oracle:
+            right = "a row of seconds an approach" if self._oracle else "none, or forecast oracle"
+            raise LibraryError(f"{len(rows_veh)} foreseen rows ; {right}")
+        if any(len(row) != seconds for row in rows_veh) or len(rows_veh) not in (0, self.shape.approaches):
+            lengths = [len(row) for row in rows_veh]
+            raise LibraryError(f"foreseen rows of {lengths} seconds ; {self.shape.approaches} of one length")
+        if rows_veh and not 1 <= seconds <= FORESEEN_MAX_S:
+            raise LibraryError(f"foreseen rows of {seconds} seconds ; 1 to {FORESEEN_MAX_S}")
+        self._foreseen[: seconds * len(rows_veh)] = [veh for row in rows_veh for veh in row]
+        self._second.foreseen_s = seconds
 
     def tick(self, wish: int = NO_STAGE) -> str:
         """Moves the lamps by 100 ms: the aspect of every group, one digit each."""

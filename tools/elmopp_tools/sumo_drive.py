@@ -15,6 +15,7 @@ from elmopp_tools.library import NO_STAGE, Announced, CoreJunction
 from elmopp_tools.site_image import image_bytes
 from elmopp_tools.sumo_neighbours import Gateway
 from elmopp_tools.sumo_network import Sight
+from elmopp_tools.sumo_oracle import Record
 from elmopp_tools.sumo_report import number
 from elmopp_tools.sumo_signal import GREEN, Signal, Times, junction_of, letters
 
@@ -27,11 +28,12 @@ STANDING_M_PER_S = 1.0
 
 
 class Camera:
-    """Counts, a value a movement: who is inside the reach now, and who of them was not a second ago."""
+    """Counts, a value a movement: who is inside the reach now, and who of them was not a second ago (`came`)."""
 
     def __init__(self, signal: Signal, sight: Sight) -> None:
         self._sight = sight
         self._known: set[str] = set()
+        self.came: set[str] = set()
         self.present_veh = [0.0] * len(signal.movements)
         self.arrived_veh = [0.0] * len(signal.movements)
 
@@ -53,6 +55,7 @@ class Camera:
                     now.add(person)
                     present[crossing.movement] += 1.0
                     arrived[crossing.movement] += 1.0 if person not in self._known else 0.0
+        self.came = now - self._known
         self._known, self.present_veh, self.arrived_veh = now, present, arrived
 
 
@@ -101,16 +104,25 @@ def _sticks_out(vehicle: str) -> bool:
 
 
 class Driver:
-    """A signal that libelmopp.so controls."""
+    """A signal that libelmopp.so controls. An oracle is told of the first seconds, too."""
 
-    def __init__(self, signal: Signal, times: Times, reach_m: float, chooser: str, seed: int) -> None:
+    def __init__(
+        self,
+        signal: Signal,
+        times: Times,
+        reach_m: float,
+        chooser: str,
+        seed: int,
+        foreseen_veh: Sequence[Sequence[float]] = (),
+    ) -> None:
         self._signal = signal
         self.waits = times.junction_wait_s > 0
         site = image_bytes(junction_of(signal, times, reach_m))
         self._core = CoreJunction(site, chooser, seed=seed)
         self._shown = NO_STAGE
         self._state = ""
-        self.drive([0.0] * len(signal.movements), [0.0] * len(signal.movements), None)
+        nobody = [0.0] * len(signal.movements)
+        self.drive(nobody, nobody, None, foreseen_veh=foreseen_veh)
 
     def drive(
         self,
@@ -120,9 +132,17 @@ class Driver:
         *,
         occupied: bool = False,
         announced: Sequence[Announced] = (),
+        foreseen_veh: Sequence[Sequence[float]] = (),
     ) -> None:
         """Decides for the coming second and shows it. Lamps change at its beginning: all times are whole seconds."""
-        self._core.count(present_veh, arrived_veh, downstream_veh, occupied=occupied, announced=announced)
+        self._core.count(
+            present_veh,
+            arrived_veh,
+            downstream_veh,
+            occupied=occupied,
+            announced=announced,
+            foreseen_veh=foreseen_veh,
+        )
         aspects = self._core.tick()
         if self._core.stage != NO_STAGE:
             self._shown = self._core.stage
@@ -175,7 +195,11 @@ class Watch:
 
 
 class Street:
-    """All signals of a network, second by second. With gateways, one a signal, neighbours speak."""
+    """All signals of a network, second by second.
+
+    With gateways, one a signal, neighbours speak. With `foresight`, an earlier run's record, drivers foresee. `record`
+    is what this one has seen.
+    """
 
     def __init__(
         self,
@@ -183,7 +207,10 @@ class Street:
         sights: Sequence[Sight],
         drivers: Sequence[Driver],
         gateways: Sequence[Gateway] = (),
+        foresight: Record | None = None,
     ) -> None:
+        self.record = Record(signals)
+        self._foresight = foresight
         self._cameras = [Camera(signal, sight) for signal, sight in zip(signals, sights, strict=True)]
         self._watches = [Watch(signal) for signal in signals]
         self._junction_cameras = [JunctionCamera(sight) for sight in sights]
@@ -203,12 +230,19 @@ class Street:
         for camera, watch in zip(self._cameras, self._watches, strict=True):
             camera.count()
             watch.look(camera.present_veh)
+        self.record.note([camera.arrived_veh for camera in self._cameras], [camera.came for camera in self._cameras])
         for index, driver in enumerate(self._drivers):
             camera = self._cameras[index]
             occupied = driver.waits and self._junction_cameras[index].is_occupied()
             announced = self._gateways[index].listen() if self._gateways else ()
-            behind_veh = self._downstream_veh(index)
-            driver.drive(camera.present_veh, camera.arrived_veh, behind_veh, occupied=occupied, announced=announced)
+            driver.drive(
+                camera.present_veh,
+                camera.arrived_veh,
+                self._downstream_veh(index),
+                occupied=occupied,
+                announced=announced,
+                foreseen_veh=self._foresight.rows(index, self.record.seconds) if self._foresight else (),
+            )
 
     def _downstream_veh(self, index: int) -> list[float]:
         """For each movement the vehicles that wait at the next signal on its ways on, their mean; 0 behind the last."""

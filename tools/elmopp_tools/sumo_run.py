@@ -10,7 +10,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import libsumo
@@ -22,12 +22,15 @@ from elmopp_tools.site_image import image_bytes
 from elmopp_tools.sumo_drive import Driver, PathLog, Street
 from elmopp_tools.sumo_neighbours import Gateway
 from elmopp_tools.sumo_network import Network
+from elmopp_tools.sumo_oracle import FORETOLD_COLUMNS, Record, foretold
 from elmopp_tools.sumo_own import PROGRAM, TYPES, own_programmes
 from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row, table
 from elmopp_tools.sumo_scenario import Scenario, ScenarioError, scenario_of
 from elmopp_tools.sumo_signal import Phase, Programme, Signal, SignalError, Times, junction_of, read_signal
 
 EXIT_FAILED = 1
+
+ORACLE = ":oracle"
 
 STEP_S = 1.0
 SECOND_MAX = 1e7  # four months
@@ -44,6 +47,9 @@ programme that is made by the same rule. A controller knows what a camera of the
 
 EPILOG = """\
 Controllers: every chooser of host_sim list, and SUMO's own: static, sumo-actuated, sumo-delay-based.
+
+Forecasts: those of host_sim list. oracle is who came in a first run of the same seed and chooser without a forecast:
+nearly the truth where nobody queues beyond the reach and no other signal lies before it; --foretold says how nearly.
 
 Columns: delay_s is the mean of SUMO's timeLoss + departDelay over every vehicle that entered, arrived or not; read it
 with not_inserted. longest_wait_s is the longest standing time of a vehicle, longest_red_s how long somebody who was
@@ -77,6 +83,19 @@ class Job:
     paths: Path | None
     neighbours: bool = False
 
+    @property
+    def foresees(self) -> bool:
+        """Whether it needs a recording."""
+        return self.chooser.endswith(ORACLE)
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a run leaves: its line of the table, and of an oracle's how well it was told."""
+
+    row: dict[str, str]
+    told: dict[str, str] | None = None
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
@@ -85,14 +104,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         jobs = _jobs(options)
         _check_output("--csv", None if options.csv == "-" else Path(options.csv))
         _check_output("--paths", options.paths)
-        rows = _run_all(jobs, options.jobs)
+        _check_output("--foretold", options.foretold)
+        done = _run_all(jobs, options.jobs)
     except (ScenarioError, SignalError, LibraryError) as error:
         say("sumo-run", str(error))
         return EXIT_REFUSED
     except (RunError, FaultError) as error:
         say("sumo-run", str(error))
         return EXIT_FAILED
-    _write(options.csv, rows)
+    _write(options.csv, [one.row for one in done])
+    if options.foretold:
+        write({options.foretold: table([one.told for one in done if one.told], FORETOLD_COLUMNS)})
     return EXIT_DONE
 
 
@@ -140,6 +162,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--paths", metavar="FILE", type=Path,
         help="where each vehicle in reach was in each second, of one seed: for tools/report --paths",
+    )  # fmt: skip
+    parser.add_argument(
+        "--foretold", metavar="FILE", type=Path,
+        help="how well an oracle was told, a line a seed: who came in how many seconds of the recorded one",
     )  # fmt: skip
     parser.add_argument("--jobs", metavar="N", type=_whole(1, 1024), default=os.cpu_count() or 1, help="runs at a time")
     parser.add_argument(
@@ -194,6 +220,10 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
     _check_chooser(options.chooser, times)
     if options.neighbours and options.chooser in TYPES:
         raise ScenarioError(f"--neighbours with --chooser {options.chooser} ; a chooser of ours, as SUMO's hear nobody")
+    if options.foretold and not options.chooser.endswith(ORACLE):
+        raise ScenarioError(
+            f"--foretold with --chooser {options.chooser} ; one with forecast oracle, as rollout{ORACLE}"
+        )
     if options.paths == Path("-"):
         raise ScenarioError("--paths - ; a file, as the terminal may have the table")
     if options.paths and len(options.seeds) > 1:
@@ -232,7 +262,7 @@ def _check_output(option: str, file: Path | None) -> None:
         raise ScenarioError(f"{option} {file}: {reason[0]} ; {reason[1]}")
 
 
-def _run_all(jobs: Sequence[Job], at_once: int) -> list[dict[str, str]]:
+def _run_all(jobs: Sequence[Job], at_once: int) -> list[Done]:
     """Each in a process of its own, as SUMO lives once in a process; one alone in this one."""
     if len(jobs) == 1:
         return [run(jobs[0])]
@@ -248,13 +278,13 @@ def _write(name: str, rows: Sequence[dict[str, str]]) -> None:
         write({Path(name): content})
 
 
-def run(job: Job) -> dict[str, str]:
-    """One run from beginning to end, in this process."""
+def run(job: Job) -> Done:
+    """One run from beginning to end, in this process; an oracle's after the one that is recorded for it."""
     with tempfile.TemporaryDirectory(prefix="elmopp-sumo-") as place:
         folder = Path(place)
         try:
             with _own_words(folder / "words"):
-                return _run_in(job, folder)
+                return _run_with_oracle(job, folder) if job.foresees else Done(_run_in(job, folder)[0])
         except _StartError as error:
             raise ScenarioError(f"{job.scenario.name}: SUMO says: {_said(folder, error)}") from None
         except SUMO_ERRORS as error:
@@ -280,7 +310,16 @@ def _own_words(file: Path) -> Iterator[None]:
             os.close(kept)
 
 
-def _run_in(job: Job, folder: Path) -> dict[str, str]:
+def _run_with_oracle(job: Job, folder: Path) -> Done:
+    """First the same run without a forecast, which records who comes, and then the one that is told of it."""
+    _, recorded = _run_in(replace(job, chooser=job.chooser.removesuffix(ORACLE), paths=None), folder)
+    cells, seen = _run_in(job, folder, recorded)
+    told = {name: cells[name] for name in ("scenario", "chooser", "seed")} | foretold(recorded, seen).cells()
+    return Done(cells, told)
+
+
+def _run_in(job: Job, folder: Path, foresight: Record | None = None) -> tuple[dict[str, str], Record]:
+    """The row of a run, and who came in it."""
     own = job.chooser in TYPES
     trips, statistics = folder / "trips.xml", folder / "statistics.xml"
     outputs = (
@@ -300,9 +339,9 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
         at_signals = frozenset(lane for name in libsumo.trafficlight.getIDList() for lane in _lanes_of(name))
         sights = [network.sight(signal, job.reach_m, at_signals) for signal in signals]
         if not own:
-            drivers = [Driver(signal, job.times, job.reach_m, job.chooser, job.seed) for signal in signals]
+            drivers = _drivers(job, signals, foresight)
         gateways = _gateways(job, network, signals, at_signals) if job.neighbours else []
-        street = Street(signals, sights, drivers, gateways)
+        street = Street(signals, sights, drivers, gateways, foresight)
         log = PathLog(signals, sights) if job.paths else None
         _simulate(street, job.scenario.end_s, log)
     finally:
@@ -314,9 +353,15 @@ def _run_in(job: Job, folder: Path) -> dict[str, str]:
     name, _, forecast = job.chooser.partition(":")
     told = "+neighbours" if job.neighbours else ""
     names = (job.scenario.name, name, (forecast or "none") + told, job.seed)
-    return row(
-        names, len(signals), read_trips(trips), read_statistics(statistics), street.longest_red_s, street.switches
-    )
+    seen = (read_trips(trips), read_statistics(statistics), street.longest_red_s, street.switches)
+    return row(names, len(signals), *seen), street.record
+
+
+def _drivers(job: Job, signals: Sequence[Signal], foresight: Record | None) -> list[Driver]:
+    return [
+        Driver(signal, job.times, job.reach_m, job.chooser, job.seed, foresight.rows(index, 0) if foresight else ())
+        for index, signal in enumerate(signals)
+    ]
 
 
 def _gateways(job: Job, network: Network, signals: Sequence[Signal], at_signals: frozenset[str]) -> list[Gateway]:
