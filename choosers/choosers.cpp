@@ -28,8 +28,8 @@ const ChooserKind &find_kind(const std::string &name) {
 }
 
 bool is_switch(const std::string &option) {
-    static const std::array<std::string, 7> switches{"frozen",     "constant-age", "printed-sign", "stage-age",
-                                                     "windowless", "one-rule",     "no-gaps"};
+    static const std::array<std::string, 8> switches{"frozen",     "constant-age", "printed-sign", "stage-age",
+                                                     "windowless", "one-rule",     "no-gaps",      "no-look"};
     return std::find(switches.begin(), switches.end(), option) != switches.end();
 }
 
@@ -98,7 +98,7 @@ const std::vector<ChooserKind> &chooser_kinds() {
          false,
          true,
          {"min=5", "max=60", "horizon=120", "weight=by-skill", "red=120", "rows=30", "others=4", "caution=0.5",
-          "one-rule", "no-gaps"}},
+          "one-rule", "no-gaps", "no-look"}},
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},
         {"fixed", "fixed times in a covering cycle", true, false, {"green=20"}},

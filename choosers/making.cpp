@@ -175,6 +175,7 @@ elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setti
     options.others_max = static_cast<std::uint8_t>(
         whole_or(spec, "others", options.others_max, 1, ELMOPP_STAGE_MAX, "whole number of stages"));
     options.sight.gives_way = !has(spec, "no-gaps");
+    options.future.look = !has(spec, "no-look");
     options.future.stop_s = setting.stops_free ? 0.0F : options.future.stop_s;
     options.rule_count = has(spec, "one-rule") ? std::uint8_t{1} : options.rule_count;
     return options;

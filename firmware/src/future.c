@@ -57,6 +57,8 @@ void elmopp_future_init(elmopp_future_t *self, const elmopp_future_options_t *op
     *self = (elmopp_future_t){.options = *options, .junction = sight->junction, .sight = sight, .coming = coming};
     self->learnt = self->junction->discharge == (uint8_t)ELMOPP_DISCHARGE_SATURATION;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        self->look_s[j] = options->look ? sight->options.travel_s[j] : (uint16_t)0U;
+        self->looks = self->looks || (self->look_s[j] > 0U);
         list_foes(self, j);
         self->startup_s_of[j] = (float)self->junction->movement[j].startup_ds / DS_PER_S;
     }
@@ -167,8 +169,9 @@ static float pressure_by_law(const elmopp_future_t *self, uint32_t stage, uint32
     return sum;
 }
 
-/* Queue times flow in second `step`, summed over a stage. */
-static float pressure_of(const elmopp_future_t *self, uint32_t stage, const float *flow_veh_per_s, uint32_t step) {
+/* Queue times flow in second `step`, summed over another stage than the one shown. */
+static float pressure_of(const elmopp_future_t *self, uint32_t stage, uint32_t step) {
+    const float *flow_veh_per_s = self->sight->flow_veh_per_s[stage];
     if (!self->learnt) {
         return pressure_by_law(self, stage, step);
     }
@@ -186,6 +189,29 @@ static float pressure_of(const elmopp_future_t *self, uint32_t stage, const floa
     return sum;
 }
 
+/* Who will drive up to a movement's line in second `step`, as far as more come than come in the mean. */
+static float driving_up(const elmopp_future_t *self, uint32_t movement, uint32_t step) {
+    const uint32_t horizon_s = self->coming->options.horizon_s;
+    const uint32_t ahead = step + self->look_s[movement];
+    const uint32_t until = (ahead < horizon_s) ? ahead : horizon_s;
+    const uint32_t span_s = until - step;
+    const float *arrived_veh = self->coming->arrived_veh[movement];
+    const float more_veh =
+        (arrived_veh[until] - arrived_veh[step]) - (self->coming->expected_veh_per_s[movement] * (float)span_s);
+    return (more_veh >= NOBODY_VEH) ? more_veh : 0.0F;
+}
+
+static float own_pressure(const elmopp_future_t *self, uint32_t step) {
+    float sum = 0.0F;
+    for (uint32_t i = 0U; i < self->served_count[self->shown]; i++) {
+        const uint32_t j = self->served[self->shown][i];
+        const float arrived_veh = self->coming->arrived_veh[j][step] + driving_up(self, j, step);
+        const float queue_veh = seen_veh(arrived_veh, self->left_veh[j]);
+        sum += queue_veh * elmopp_lesser(flow_of(self, self->flow_veh_per_s, j, queue_veh), queue_veh);
+    }
+    return sum;
+}
+
 /* What a pressure can have grown by since the last look, but for 1.001 times itself: queues have grown by arrivals
    alone. What is below a second's flow grows faster at first, which `pressed` has. The rest is more than all roundings.
  */
@@ -198,9 +224,9 @@ static float most_possible(const elmopp_future_t *self, uint32_t step) {
     return (1.001F * self->others_pressed) + growth(self, step);
 }
 
-/* The stage with the greatest pressure in second `step`, the stage shown if none presses more than `enough`. Those that
-   cannot are reckoned with and not looked at. */
-static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step, float enough) {
+/* The stage with the greatest pressure in second `step`, the stage shown, which presses by `own`, if none presses more
+   than `enough`. Those that cannot are reckoned with and not looked at. */
+static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step, float own, float enough) {
     const float grown = growth(self, step);
     const uint32_t shown = self->shown;
     const uint32_t stages = self->junction->stage_count;
@@ -210,9 +236,8 @@ static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step, float eno
     float others = 0.0F;
     for (uint32_t s = 0U; s < stages; s++) {
         float possible = (1.001F * self->pressed[s]) + grown;
-        if ((!looked) || (possible > greatest)) {
-            const float *flow = (s == shown) ? self->flow_veh_per_s : self->sight->flow_veh_per_s[s];
-            const float sum = pressure_of(self, s, flow, step);
+        if ((!looked) || (s == shown) || (possible > greatest)) {
+            const float sum = (s == shown) ? own : pressure_of(self, s, step);
             possible = sum + (SLOW_PART * self->square[s]);
             best = (sum > greatest) ? s : best;
             greatest = elmopp_greater(sum, greatest);
@@ -234,8 +259,9 @@ static uint32_t quiet_s(const elmopp_future_t *self, float ratio, uint32_t step,
     }
     const float square = self->square[self->shown];
     const float least = (0.999F * own) - (SLOW_PART * square) - 0.01F;
-    const bool blocked = self->flow_veh_per_s == self->present_flow_veh_per_s; /* `calm` is of the usual flows */
-    const float falling = blocked ? square : elmopp_greater(square - self->calm[self->shown], 0.0F);
+    /* `calm` is of the usual flows, and of who arrives in one second, not of who drives up in several. */
+    const bool calms = (self->flow_veh_per_s != self->present_flow_veh_per_s) && (!self->looks);
+    const float falling = calms ? elmopp_greater(square - self->calm[self->shown], 0.0F) : square;
     const float spare = (ratio * least) - most_possible(self, step);
     const float per_s = (1.001F * ratio * falling) + (1.002F * self->rush) + 0.001F;
     return (uint32_t)elmopp_within(spare / per_s, 0.0F, (float)ELMOPP_HORIZON_MAX);
@@ -250,11 +276,11 @@ static elmopp_stage_t react(elmopp_future_t *self, float ratio, uint32_t step) {
         return self->shown;
     }
     const bool late = since_s >= self->options.max_s;
-    const float own = pressure_of(self, self->shown, self->flow_veh_per_s, step);
+    const float own = own_pressure(self, step);
     const float enough = ratio * own;
     elmopp_stage_t wanted = self->shown;
     if (late || (!self->looked) || (most_possible(self, step) > enough)) {
-        wanted = press_most(self, step, late ? 0.0F : enough);
+        wanted = press_most(self, step, own, late ? 0.0F : enough);
     }
     if (late) {
         self->ask_step = step + 1U;

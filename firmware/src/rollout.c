@@ -16,7 +16,8 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                    .weigh_skill = true,
                    .row_weight = 0.5F,
                    .mean_weight = 0.5F},
-        .future = {.min_s = 5U, .max_s = 60U, .blocked_share = 0.5F, .yellow_used_s = 0.5F, .stop_s = 1.5F},
+        .future =
+            {.min_s = 5U, .max_s = 60U, .blocked_share = 0.5F, .yellow_used_s = 0.5F, .look = true, .stop_s = 1.5F},
         .red_s = 120U,
         .others_max = 4U,
         .hold_count = 5U,

@@ -6,7 +6,8 @@ Every loop is written out as the specification has it: queues are stepped second
 sums taken anew. Where the firmware's header departs from the pseudo-code, so does this: the clock on red restarts on a
 departure, and who is overdue gets the next change, not one at once; a stage serves a movement if all its groups are in
 it; nobody is hidden without a reach; a second teaches one vehicle a lane at most; the reactive rule is pressure's,
-asked in every modelled second after the hold; rows correct the mean as far as they have been better than it; without a
+asked in every modelled second after the hold, which sees who drives in the reach of a green by then and is more than
+the mean; rows correct the mean as far as they have been better than it; without a
 reach nobody goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; and of
 the other stages the heaviest are tried, each rule held against the same rule after keeping, the mean gain less a part
 of what the worst one is behind it. A lane that gives way waits for the queue of those it gives way to, and then for
@@ -301,7 +302,7 @@ class Rollout:
         for k in range(horizon):
             queues = list(x)
             if target == NEVER:
-                later = self.base(g, e, ratio, x, flow) if k >= hold else g
+                later = self.base(g, e, ratio, x, self._soon(k, x), flow) if k >= hold else g
                 want = first if k == 0 else later
                 if want != g:
                     target, left = want, site.change[g][want]
@@ -331,17 +332,26 @@ class Rollout:
                 e += 1
         return cost + sum(x[lane] ** 2 / (2.0 * self.s[lane]) for lane in lanes)
 
-    def base(self, g: int, e: int, ratio: float, x: list[float], flow: list[float]) -> int:
+    def _soon(self, k: int, x: list[float]) -> list[float]:
+        """The queues before second k with who comes within the reach then, over the mean that is planned with."""
+        later = self.a[k : k + self.setting.travel]
+        more = [sum(second[j] - self.setting.f_mean * self.lam[j] for second in later) for j in range(len(x))]
+        return [queue + (more[j] if more[j] >= LEFT else 0.0) for j, queue in enumerate(x)]
+
+    def _pressure(self, stage: int, x: list[float], flow: list[float]) -> float:
+        seen = [queue if queue >= LEFT else 0.0 for queue in x]
+        return sum(
+            queue * min(self._flow(flow, j, queue), queue)
+            for j, queue in enumerate(seen)
+            if self.site.serves(stage, j)
+        )
+
+    def base(self, g: int, e: int, ratio: float, x: list[float], soon: list[float], flow: list[float]) -> int:
         site, setting = self.site, self.setting
         if e < setting.g_min:
             return g
-        x = [queue if queue >= LEFT else 0.0 for queue in x]
         pressure = [
-            sum(
-                x[j] * min(self._flow(flow if s == g else self.sat[s], j, x[j]), x[j])
-                for j in range(len(x))
-                if site.serves(s, j)
-            )
+            self._pressure(s, soon, flow) if s == g else self._pressure(s, x, self.sat[s])
             for s in range(len(site.stages))
         ]
         best = max(range(len(pressure)), key=lambda s: (pressure[s], -s))

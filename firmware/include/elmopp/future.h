@@ -17,7 +17,9 @@
 ///
 /// A future begins with an action: keep the stage shown for some seconds, or change to another one. Then a reactive
 /// rule decides, that of pressure.h, asked in every modelled second: leave for the stage of the greatest sum of queue
-/// times flow when that is more than ratio times the own one's; at max_s leave anyway.
+/// times flow when that is more than ratio times the own one's; at max_s leave anyway. To the queues of the stage shown
+/// belongs who will be seen to drive up to them by then, as far as more come than come in the mean: a rule that sees
+/// queues alone leaves a green in the midst of a platoon that flows through it, for anybody who waits.
 ///
 /// The cost V is the sum of all queues over the seconds, stop_s for each vehicle of a queue that gets green, and
 /// x^2 / 2s for each queue x that is left at the horizon: what it costs at least until it has gone at its flow s. A
@@ -43,6 +45,7 @@ typedef struct {
     uint16_t max_s;      ///< ... and every one then, if another one is asked for
     float blocked_share; ///< of its flow, for a movement that is blocked, 0 to 1
     float yellow_used_s; ///< of the amber, still driven; 0 or more
+    bool look;           ///< the rule sees who drives up to its green
     float stop_s;        ///< lost by who starts from a queue, beside his wait and the start-up; 0 or more
 } elmopp_future_options_t;
 
@@ -69,6 +72,8 @@ typedef struct {
     uint8_t served_count[ELMOPP_STAGE_MAX];                ///< movements that a stage lets go ...
     uint8_t served[ELMOPP_STAGE_MAX][ELMOPP_MOVEMENT_MAX]; ///< ... and which
     uint16_t change_s[ELMOPP_STAGE_MAX][ELMOPP_STAGE_MAX]; ///< [from][to] intergreen in whole seconds
+    uint16_t look_s[ELMOPP_MOVEMENT_MAX];                  ///< so far the rule sees up a road that is green
+    bool looks;                                            ///< ... if any
     bool learnt;                                           ///< flows are those of sight.h, else the junction's law
     float startup_s_of[ELMOPP_MOVEMENT_MAX];               ///< of a movement that begins
     uint8_t foe_count[ELMOPP_MOVEMENT_MAX];                ///< movements to which one gives way where they go ...
