@@ -299,8 +299,10 @@ def _sumo_pairs(
 
 
 def _sumo_pair(one: Cell | None, other: Cell | None) -> Pair | None:
-    seeds = sorted(one.delay_s.keys() & other.delay_s.keys()) if one and other else []
-    return paired([one.delay_s[seed] for seed in seeds], [other.delay_s[seed] for seed in seeds]) if seeds else None
+    if one is None or other is None:
+        return None
+    seeds = sorted(one.delay_s.keys() & other.delay_s.keys())
+    return paired([one.delay_s[seed] for seed in seeds], [other.delay_s[seed] for seed in seeds])
 
 
 def _against(name: str, reference: str, scenarios: Sequence[str], cells: dict[tuple[str, str], Cell]) -> list[str]:
