@@ -96,7 +96,8 @@ static void look_for_itself(elmopp_pilot_t *self, elmopp_view_t *view) {
 static float sum_of_first(const elmopp_view_t *view, uint32_t approach, uint32_t steps) {
     float sum_veh = 0.0F;
     const float *row_veh = view->foreseen_veh[approach];
-    for (uint32_t t = 0U; (row_veh != NULL) && (t < view->foreseen_steps) && (t < steps); t++) {
+    const uint32_t known = (row_veh != NULL) ? view->foreseen_steps : 0U;
+    for (uint32_t t = 0U; (t < known) && (t < steps); t++) {
         sum_veh += row_veh[t];
     }
     return sum_veh;
