@@ -33,6 +33,14 @@ bool is_switch(const std::string &option) {
     return std::find(switches.begin(), switches.end(), option) != switches.end();
 }
 
+std::string right_value(const std::string &name, const std::string &listed) {
+    const bool by_skill = listed == "weight=by-skill";
+    return is_switch(name)
+               ? "no value"
+               : std::string("a number above 0") + (by_skill || name == "caution" ? ", at most 1" : "") +
+                     (by_skill ? ", or by-skill" : "") + (name == "ready" || name == "red" ? ", or unlimited" : "");
+}
+
 void check_option(const ChooserKind &kind, const std::string &name, const std::string &value) {
     const auto names_it = [&name](const std::string &option) { return split(option, '=').front() == name; };
     const auto listed = std::find_if(kind.options.begin(), kind.options.end(), names_it);
@@ -47,7 +55,7 @@ void check_option(const ChooserKind &kind, const std::string &name, const std::s
                                              : parse_number(value, number) && number > 0.0;
     if (!good) {
         throw BadRequest("option \"" + name + "\" of chooser " + kind.name + " has value \"" + value +
-                         "\"; right would be " + (is_switch(name) ? "no value" : "a number above 0"));
+                         "\"; right would be " + right_value(name, *listed));
     }
 }
 

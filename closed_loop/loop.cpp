@@ -20,6 +20,7 @@
 #include <functional>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace elmopp {
@@ -73,6 +74,42 @@ class Mosaic {
     Overlay overlay_;
 };
 
+/// The folder of the results. One that was made for a run that then wrote nothing goes again.
+class OutFolder {
+  public:
+    /// Throws BadRequest if it cannot be made.
+    explicit OutFolder(const fs::path &folder) : folder_(fs::absolute(folder).lexically_normal()) {
+        std::error_code error;
+        for (fs::path part = folder_; !fs::exists(part, error) && part.has_relative_path(); part = part.parent_path()) {
+            made_.push_back(part);
+        }
+        fs::create_directories(folder_, error);
+        if (error) {
+            remove_empty();
+            throw BadRequest("--out \"" + folder.string() +
+                             "\": cannot be written; right would be a folder in which files can be made");
+        }
+    }
+    ~OutFolder() {
+        remove_empty();
+    }
+    OutFolder(const OutFolder &) = delete;
+    OutFolder &operator=(const OutFolder &) = delete;
+    OutFolder(OutFolder &&) = delete;
+    OutFolder &operator=(OutFolder &&) = delete;
+
+  private:
+    void remove_empty() noexcept {
+        for (const fs::path &part : made_) {
+            std::error_code ignored; // what holds something stays
+            fs::remove(part, ignored);
+        }
+    }
+
+    fs::path folder_;
+    std::vector<fs::path> made_; ///< the innermost first
+};
+
 /// What one run was like.
 struct Run {
     Metrics metrics;
@@ -112,7 +149,9 @@ class LoopProgram {
         const Source source =
             make_source(scenario_.profile.integrator, Mapping::abs, request.seed, 0, site_.approach_count);
         const double each = vehicles_per_approach(scenario_.profile.scope, request.vehicles, source.unit.size());
-        make_out();
+        // Before minutes of pictures, and not after them.
+        out_.emplace(request.out);
+        const WholeFile probe("--out", request.out / "closed_loop.json");
         if (!request.overlay.empty()) {
             mosaic_ = std::make_unique<Mosaic>(request.overlay);
         }
@@ -144,10 +183,6 @@ class LoopProgram {
 
   private:
     void check() const {
-        if (request_.seconds < 1 || request_.seconds > simulated_points) {
-            throw BadRequest("--seconds " + std::to_string(request_.seconds) + ": right would be 1 to " +
-                             std::to_string(simulated_points));
-        }
         const auto scenes = RoadWeather::names();
         if (std::find(scenes.begin(), scenes.end(), request_.scene) == scenes.end()) {
             throw BadRequest("--scene \"" + request_.scene + "\": right would be one of " + join(scenes, ", "));
@@ -177,17 +212,6 @@ class LoopProgram {
             throw BadRequest("--chooser with --link " + request_.link +
                              ": the controller there runs what its site names; right would be none");
         }
-    }
-
-    /// Before minutes of pictures, and not after them.
-    void make_out() const {
-        std::error_code error;
-        fs::create_directories(request_.out, error);
-        if (error) {
-            throw BadRequest("--out \"" + request_.out.string() +
-                             "\": cannot be written; right would be a folder in which files can be made");
-        }
-        const WholeFile probe("--out", request_.out / "closed_loop.json");
     }
 
     [[nodiscard]] std::unique_ptr<Link> controller() const {
@@ -221,6 +245,7 @@ class LoopProgram {
     ChooserSpec chooser_;
     std::vector<Trouble> troubles_;
     Demand demand_{};
+    std::optional<OutFolder> out_;
     std::unique_ptr<Mosaic> mosaic_;
     std::vector<std::string> camera_names_;
 };

@@ -17,8 +17,8 @@
 namespace elmopp {
 
 struct LoopRequest {
-    std::size_t seconds = 600;
-    unsigned vehicles = 400; ///< of an approach in 2,000 s
+    std::size_t seconds = 600; ///< 1 to simulated_points
+    unsigned vehicles = 400;   ///< of an approach in 2,000 s
     std::uint64_t seed = 1;
     std::filesystem::path out;
     std::filesystem::path site = "sites/four_way.toml";

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 namespace elmopp {
 
@@ -20,5 +21,13 @@ class Failure : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
+
+/// What an exception says, without the mark of the library that threw it: "[json.exception.out_of_range.403] " and
+/// such.
+inline std::string said_by(const std::exception &error) {
+    const std::string text = error.what();
+    const auto end = text.front() == '[' ? text.find("] ") : std::string::npos;
+    return end == std::string::npos ? text : text.substr(end + 2);
+}
 
 } // namespace elmopp

@@ -74,10 +74,14 @@ std::ostream &WholeFile::out() {
     return file_ == "-" ? std::cout : stream_;
 }
 
-void WholeFile::commit() {
+void WholeFile::flush() {
     if (!out().flush()) {
         throw Failure(file_.string() + ": could not be written");
     }
+}
+
+void WholeFile::commit() {
+    flush();
     if (!building_.empty()) {
         stream_.close();
         fs::rename(building_, file_);

@@ -24,6 +24,9 @@ class WholeFile {
 
     std::ostream &out();
 
+    /// Throws Failure if what was written so far could not be.
+    void flush();
+
     /// The file is whole. Throws Failure if it could not be written to its end.
     void commit();
 

@@ -428,7 +428,13 @@ void print_list() {
         std::printf("  %-13s %s%s\n", kind.name.c_str(), kind.what.c_str(), kind.rival ? " (rival)" : "");
         std::printf("  %-13s   options: %s\n", "", join(kind.options, ", ").c_str());
     }
-    std::printf("\nForecasts, read by cumulative: %s\n", join(forecast_names(), ", ").c_str());
+    std::vector<std::string> readers;
+    for (const auto &kind : chooser_kinds()) {
+        if (kind.forecasts) {
+            readers.push_back(kind.name);
+        }
+    }
+    std::printf("\nForecasts, read by %s: %s\n", join(readers, " and ").c_str(), join(forecast_names(), ", ").c_str());
 }
 
 void add_list(CLI::App &app, Texts &texts) {

@@ -47,6 +47,24 @@ std::string place(const NetworkText &text, std::size_t tail, std::size_t head) {
     return "network " + text.name + ", road from " + text.nodes[tail].name + " to " + text.nodes[head].name;
 }
 
+void check_profile(const NetworkText &text, const std::string &profile) {
+    const auto words = split(profile, '@');
+    const auto names_site = [](const std::string &word) { return word.rfind("site=", 0) == 0; };
+    if (words.front() != "discrete" || std::any_of(words.begin(), words.end(), names_site)) {
+        throw BadRequest("--profile " + profile + " with --network " + text.name +
+                         ": right would be discrete without a site, as only discrete moves vehicles from junction to "
+                         "junction and each has its own");
+    }
+}
+
+void check_site(const NetworkText &text, const Node &node) {
+    const auto names = site_names();
+    if (std::find(names.begin(), names.end(), node.site) == names.end()) {
+        throw BadRequest("network " + text.name + ", junction " + node.name + ": site is \"" + node.site +
+                         "\"; right would be one of " + join(names, ", "));
+    }
+}
+
 /// Every road of the tensor joins neighbours, and every neighbour has one.
 void check(const NetworkText &text) {
     const std::size_t count = text.nodes.size();
@@ -236,6 +254,10 @@ NetworkText of_json(const nlohmann::json &json) {
 
 /// The file by way of tools/network.
 nlohmann::json json_of(const std::string &file) {
+    if (!std::ifstream(file)) {
+        throw BadRequest("--network " + file +
+                         ": cannot be read; right would be grid:ROWSxCOLUMNS or a TOML network file");
+    }
     const TemporaryFolder folder;
     const std::filesystem::path read = folder.path() / "network.json";
     const ToolResult result = run_tool("network", {file, "--json", read.string()});
@@ -296,7 +318,7 @@ NetworkText read_network(const std::string &text, std::string &profile) {
         add("speed_km_per_h", "speed");
         return of_json(json);
     } catch (const nlohmann::json::exception &error) {
-        throw BadRequest("--network " + text + ": " + error.what() +
+        throw BadRequest("--network " + text + ": " + said_by(error) +
                          "; right would be name, junctions and adjacency as in networks/g_alpha.toml");
     }
 }
@@ -305,11 +327,10 @@ Network make_network(const NetworkText &text, const std::string &profile) {
     check(text);
     Network network;
     network.name = text.name;
+    check_profile(text, profile);
     for (const auto &node : text.nodes) {
+        check_site(text, node);
         Scenario scenario = make_scenario(profile + "@site=" + node.site, nullptr);
-        if (!scenario.street) {
-            throw BadRequest("profile " + profile + " with --network: right would be discrete");
-        }
         pave(text, node, scenario);
         network.scenarios.push_back(std::move(scenario));
     }

@@ -177,7 +177,11 @@ void run_once(const RunRequest &request) {
     };
     const auto control = control_of(request, scenario, chooser, demand);
     const Metrics metrics = run_trial(scenario, *control, demand, seconds, observer);
+    if (log) {
+        log->flush(); // nothing is summed up of a log that could not be written
+    }
     summary.out() << summary_of(scenario, chooser, request, seconds, fallback, metrics).dump(1) << "\n";
+    summary.flush();
     if (log) {
         log->commit();
     }

@@ -111,14 +111,12 @@ std::optional<double> option_of(const Options &options, const std::string &name)
 }
 
 const elmopp_junction_t *named_site(const std::string &name) {
-    std::vector<std::string> names;
-    for (const auto &[known, site] : named_sites()) {
-        if (known == name) {
-            return site;
-        }
-        names.push_back(known);
+    const auto found = named_sites().find(name);
+    if (found == named_sites().end()) {
+        throw BadRequest("option site of profile discrete is \"" + name + "\"; right would be one of " +
+                         join(site_names(), ", "));
     }
-    throw BadRequest("option site of profile discrete is \"" + name + "\"; right would be one of " + join(names, ", "));
+    return found->second;
 }
 
 /// NAME@OPTION=VALUE...: the options.
@@ -131,7 +129,10 @@ Options options_of(const std::vector<std::string> &words) {
             throw BadRequest("unknown option \"" + name +
                              "\" of profile discrete; right would be one of site, demand, speed, length");
         }
-        options[name] = equals == std::string::npos ? "" : words[i].substr(equals + 1);
+        if (!options.emplace(name, equals == std::string::npos ? "" : words[i].substr(equals + 1)).second) {
+            throw BadRequest("option \"" + name + "\" is given twice in profile \"" + join(words, "@") +
+                             "\"; right would be once");
+        }
     }
     return options;
 }
@@ -240,6 +241,14 @@ Scenario make_scenario(const Profile &profile, const elmopp_junction_t *site, co
     }
     scenario.share = shares(junction, split);
     return scenario;
+}
+
+std::vector<std::string> site_names() {
+    std::vector<std::string> names;
+    for (const auto &[name, site] : named_sites()) {
+        names.push_back(name);
+    }
+    return names;
 }
 
 Scenario make_scenario(const std::string &profile, const elmopp_junction_t *site, const std::vector<double> &split) {

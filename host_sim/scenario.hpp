@@ -50,6 +50,9 @@ struct Surroundings {
 /// All profiles, in the order of the documentation.
 const std::vector<Profile> &profiles();
 
+/// Those that profile discrete and networks know by name.
+std::vector<std::string> site_names();
+
 /// Throws BadRequest naming the value and the profiles there are. The name only, without options.
 const Profile &find_profile(const std::string &name);
 

@@ -213,7 +213,7 @@ LaneFile parse_lane_file(const std::string &text, const std::string &name, const
     try {
         return LaneReader(name, folder).read(Json::parse(text));
     } catch (const Json::exception &error) {
-        throw BadRequest(name + ": is no JSON: " + error.what());
+        throw BadRequest(name + ": " + said_by(error) + "; right would be a lane file in JSON (docs/camera.md)");
     }
 }
 

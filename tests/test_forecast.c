@@ -57,6 +57,32 @@ static void expect_everywhere(float first_veh, float second_veh) {
     expect_flat(1U, second_veh, ELMOPP_HORIZON_MAX);
 }
 
+/* Of a minute, the neighbour of the second approach knows 14 s. */
+static uint16_t hear_the_second(uint16_t steps) {
+    elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX];
+    (void)memset(outflow, 0, sizeof outflow);
+    outflow[1] = (elmopp_outflow_t){.next10_veh = 1.0F, .next30_veh = 3.0F, .next60_veh = 3.0F, .ahead_s = 14U};
+    return elmopp_forecast_hear(&forecast, outflow, 60U, steps, rows);
+}
+
+static void test_without_a_forecast_an_approach_whose_neighbour_is_silent_has_no_row(void) {
+    start(ELMOPP_FORECAST_NONE, NULL, NULL);
+    observe(1.0F, 1.0F, 1.0F);
+    TEST_ASSERT_EQUAL_UINT16(60U, hear_the_second(elmopp_forecast_look(&forecast, 60U, rows)));
+    TEST_ASSERT_NULL(rows[0]);
+    expect_flat(1U, 0.1F, 10U);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, rows[1][14]);
+}
+
+static void test_with_a_forecast_an_approach_whose_neighbour_is_silent_keeps_its_row(void) {
+    start(ELMOPP_FORECAST_PERSISTENCE, NULL, NULL);
+    observe(1.0F, 2.0F, 0.5F);
+    TEST_ASSERT_EQUAL_UINT16(30U, hear_the_second(elmopp_forecast_look(&forecast, 30U, rows)));
+    expect_flat(0U, 1.5F, 30U);
+    expect_flat(1U, 0.1F, 10U);
+    TEST_ASSERT_EQUAL_FLOAT(2.0F, rows[1][14]);
+}
+
 static void test_none_gives_no_row(void) {
     start(ELMOPP_FORECAST_NONE, NULL, NULL);
     observe(1.0F, 1.0F, 1.0F);
@@ -377,6 +403,8 @@ static void test_seconds_seen_saturate(void) {
 int main(void) {
     UNITY_BEGIN();
     RUN_TEST(test_none_gives_no_row);
+    RUN_TEST(test_without_a_forecast_an_approach_whose_neighbour_is_silent_has_no_row);
+    RUN_TEST(test_with_a_forecast_an_approach_whose_neighbour_is_silent_keeps_its_row);
     RUN_TEST(test_no_step_may_be_asked_for);
     RUN_TEST(test_every_kind_starts_cold_with_nothing);
     RUN_TEST(test_mean_is_the_exact_average_until_the_window_is_full);

@@ -507,6 +507,8 @@ static void test_without_a_forecast_a_neighbour_is_foreseen_and_nobody_else(void
     arrived_veh[0] = 1.0F;
     step_with_a_neighbour(NULL);
     TEST_ASSERT_EQUAL_UINT16(90U, script.view.foreseen_steps);
+    TEST_ASSERT_NULL_MESSAGE(script.view.foreseen_veh[0], "nobody is not what is unknown");
+    TEST_ASSERT_NOT_NULL(script.view.foreseen_veh[1]);
     TEST_ASSERT_EQUAL_FLOAT(0.0F, pilot.foreseen_sum_veh[0]);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-5F, 3.0F, pilot.foreseen_sum_veh[1]);
     TEST_ASSERT_EQUAL_FLOAT(0.0F, script.last_veh[1]);

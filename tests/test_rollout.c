@@ -370,6 +370,34 @@ static void test_without_rows_the_mean_of_the_arrivals_counts_half(void) {
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 55.0F) + 16.0F), seen.score[0]);
 }
 
+/* A neighbour speaks for the first approach alone: nobody knows of the second, whose mean counts as without rows. */
+static void test_an_approach_without_a_row_is_expected_by_its_mean(void) {
+    look_ten_seconds_ahead();
+    foresee(9.0F, SHORT_S);
+    seen.view.foreseen_veh[1] = NULL;
+    seen.share[0] = 0.0F;
+    rollout.coming.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.0F, .mean = 1.0F};
+    set_queues(0.0F, 2.0F, 0.0F);
+    seen.arrivals_veh[1] = 0.4F;
+    (void)ask_in(0U, 50U);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 55.0F) + 16.0F), seen.score[0]);
+}
+
+/* Nobody comes on the first, as its row says; on the second every other second. */
+static void test_an_approach_without_a_row_has_its_mean_on_the_account(void) {
+    start();
+    foresee(0.0F, 60U);
+    seen.view.foreseen_veh[1] = NULL;
+    for (uint32_t t = 0U; t < 200U; t++) {
+        seen.arrivals_veh[1] = ((t % 2U) == 0U) ? 1.0F : 0.0F;
+        (void)ask_in(0U, 50U);
+    }
+    const elmopp_account_error_t *error = &rollout.coming.near.error;
+    TEST_ASSERT_TRUE(error->mean > 0.0F);
+    TEST_ASSERT_EQUAL_FLOAT(error->mean, error->forecast);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, rollout.coming.near_weight);
+}
+
 /* Two drive 3 s: not queued in seconds 1 and 2, then for the other 8. */
 static void test_who_drives_is_queued_when_he_arrives(void) {
     options.sight = elmopp_sight_defaults(3U);
@@ -754,6 +782,8 @@ int main(void) {
     RUN_TEST(test_a_fixed_weight_is_not_earned);
     RUN_TEST(test_a_row_that_is_no_number_is_nobody);
     RUN_TEST(test_without_rows_the_mean_of_the_arrivals_counts_half);
+    RUN_TEST(test_an_approach_without_a_row_is_expected_by_its_mean);
+    RUN_TEST(test_an_approach_without_a_row_has_its_mean_on_the_account);
     RUN_TEST(test_who_drives_is_queued_when_he_arrives);
     RUN_TEST(test_without_a_reach_who_comes_goes_a_second_later);
     RUN_TEST(test_what_is_left_costs_what_it_takes_to_clear_it);

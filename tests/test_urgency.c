@@ -267,6 +267,24 @@ static void test_a_stage_scores_the_sum_over_its_movements(void) {
     }
 }
 
+/* Odd movements come from an approach of which `second_veh` is foreseen; null: nothing. */
+static void expect_cumulative_scores(const float *first_veh, const float *second_veh) {
+    seen.view.foreseen_veh[1] = second_veh;
+    (void)ask();
+    for (uint32_t j = 0U; j < STAGES; j++) {
+        const bool even = (j % 2U) == 0U;
+        const elmopp_urgency_lane_t lane = {.queue_veh = seen.queue_veh[j],
+                                            .capacity_veh = 10.0F,
+                                            .foreseen_veh = even ? first_veh : second_veh,
+                                            .steps = (even || (second_veh != NULL)) ? (MAX_S - 1U) : 0U,
+                                            .share = seen.share[j],
+                                            .red_ds = seen.red_ds[j],
+                                            .going = j == 1U};
+        const double right = cumulative(&lane);
+        TEST_ASSERT_DOUBLE_WITHIN(5.0e-6 * right, right, (double)seen.score[j]);
+    }
+}
+
 static void test_cumulative_scores_use_share_forecast_and_the_going_mask(void) {
     float first_veh[ELMOPP_HORIZON_MAX];
     float second_veh[ELMOPP_HORIZON_MAX];
@@ -281,25 +299,14 @@ static void test_cumulative_scores_use_share_forecast_and_the_going_mask(void) {
     junction.movement[3].approach = 1U;
     set_queues(1.0F, 2.0F, 3.0F, 4.0F);
     seen.view.foreseen_veh[0] = first_veh;
-    seen.view.foreseen_veh[1] = second_veh;
     seen.view.foreseen_steps = MAX_S - 1U;
     test_view_show(&seen, 1U, 20U);
     for (uint32_t j = 0U; j < STAGES; j++) {
         seen.red_ds[j] = (uint16_t)(100U * (j + 1U));
         seen.share[j] = 0.25F * (float)j;
     }
-    (void)ask();
-    for (uint32_t j = 0U; j < STAGES; j++) {
-        const elmopp_urgency_lane_t lane = {.queue_veh = seen.queue_veh[j],
-                                            .capacity_veh = 10.0F,
-                                            .foreseen_veh = ((j % 2U) == 0U) ? first_veh : second_veh,
-                                            .steps = MAX_S - 1U,
-                                            .share = seen.share[j],
-                                            .red_ds = seen.red_ds[j],
-                                            .going = j == 1U};
-        const double right = cumulative(&lane);
-        TEST_ASSERT_DOUBLE_WITHIN(5.0e-6 * right, right, (double)seen.score[j]);
-    }
+    expect_cumulative_scores(first_veh, second_veh);
+    expect_cumulative_scores(first_veh, NULL);
 }
 
 static void test_stages_that_do_not_exist_score_zero(void) {

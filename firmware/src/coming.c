@@ -20,6 +20,11 @@ void elmopp_coming_init(elmopp_coming_t *self, const elmopp_coming_options_t *op
     *self = (elmopp_coming_t){.options = *options};
 }
 
+/* Whether there is a row: of an approach of which nothing is foreseen the mean is all that is known. */
+static bool has_row(const elmopp_view_t *view, uint32_t approach) {
+    return view->foreseen_veh[approach] != NULL;
+}
+
 /* What a row says of a step: never less than nobody, and a NaN is nobody. */
 static float said_veh(const elmopp_view_t *view, uint32_t approach, uint32_t row) {
     const float veh = view->foreseen_veh[approach][row];
@@ -51,7 +56,7 @@ static void settle(elmopp_account_t *account, uint32_t ahead_s, const elmopp_vie
     if (view->foreseen_steps >= ahead_s) {
         elmopp_account_probe_t *page = elmopp_account_page(account, ahead_s);
         for (uint32_t i = 0U; i < approaches; i++) {
-            page->forecast_veh[i] = said_veh(view, i, ahead_s - 1U);
+            page->forecast_veh[i] = has_row(view, i) ? said_veh(view, i, ahead_s - 1U) : arrivals->mean_veh[i];
             page->persistence_veh[i] = arrivals->came_veh[i];
             page->mean_veh[i] = arrivals->mean_veh[i];
         }
@@ -81,7 +86,11 @@ void elmopp_coming_observe(elmopp_coming_t *self, const elmopp_sight_t *sight, c
 /* Who reaches the edge of the reach in a later second: the mean, corrected by a row as far as it is believed. */
 static float foreseen(const elmopp_coming_t *self, const elmopp_view_t *view, uint32_t movement, uint32_t row) {
     const float expected_veh = self->expected_veh_per_s[movement];
-    const float said = view->share[movement] * said_veh(view, view->junction->movement[movement].approach, row);
+    const uint32_t approach = view->junction->movement[movement].approach;
+    if (!has_row(view, approach)) {
+        return expected_veh;
+    }
+    const float said = view->share[movement] * said_veh(view, approach, row);
     const float base_veh = self->options.weigh_skill ? expected_veh : 0.0F;
     const float weight = (row < NEAR_ROWS) ? self->near_weight : self->far_weight;
     return base_veh + (weight * (said - base_veh));

@@ -512,6 +512,14 @@ uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, cons
     return hand_out(self, steps, rows);
 }
 
+/* What is known of an approach apart from its neighbour: the rows that are there, or nobody; true if there are any. */
+static bool keep_row(elmopp_forecast_t *self, uint32_t approach, const float *row, uint16_t length) {
+    for (uint32_t t = 0U; t < length; t++) {
+        self->row_veh[approach][t] = (row == NULL) ? 0.0F : row[t];
+    }
+    return row != NULL;
+}
+
 static bool anybody_says(const elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX]) {
     bool known = false;
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
@@ -528,13 +536,12 @@ uint16_t elmopp_forecast_hear(elmopp_forecast_t *self, const elmopp_outflow_t ou
     }
     const uint16_t length = (steps == 0U) ? asked : steps;
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-        for (uint32_t t = 0U; t < length; t++) {
-            self->row_veh[i][t] = (steps == 0U) ? 0.0F : rows[i][t];
-        }
+        bool known = keep_row(self, i, (steps == 0U) ? NULL : rows[i], length);
         if (elmopp_outflow_is_known(&outflow[i])) {
             elmopp_outflow_lay(&outflow[i], self->row_veh[i], length);
+            known = true;
         }
-        rows[i] = self->row_veh[i];
+        rows[i] = known ? self->row_veh[i] : NULL;
     }
     return length;
 }

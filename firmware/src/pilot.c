@@ -95,8 +95,10 @@ static void look_for_itself(elmopp_pilot_t *self, elmopp_view_t *view) {
 
 static float sum_of_first(const elmopp_view_t *view, uint32_t approach, uint32_t steps) {
     float sum_veh = 0.0F;
-    for (uint32_t t = 0U; (t < view->foreseen_steps) && (t < steps); t++) {
-        sum_veh += view->foreseen_veh[approach][t];
+    const float *row_veh = view->foreseen_veh[approach];
+    const uint32_t known = (row_veh != NULL) ? view->foreseen_steps : 0U;
+    for (uint32_t t = 0U; (t < known) && (t < steps); t++) {
+        sum_veh += row_veh[t];
     }
     return sum_veh;
 }
@@ -149,7 +151,7 @@ void elmopp_pilot_look_on(elmopp_pilot_t *self) {
         steps = elmopp_forecast_hear(&self->forecast, self->outflow, minute, steps, row_veh);
     }
     for (uint32_t i = 0U; i < self->junction->approach_count; i++) {
-        for (uint32_t t = self->foreseen_s; t < steps; t++) {
+        for (uint32_t t = self->foreseen_s; (row_veh[i] != NULL) && (t < steps); t++) {
             self->foreseen_sum_veh[i] += row_veh[i][t];
         }
     }

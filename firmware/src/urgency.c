@@ -61,10 +61,11 @@ static float movement_urgency(const elmopp_urgency_t *self, const elmopp_view_t 
         return elmopp_urgency_naive(self, elmopp_junction_load(view->junction, movement, queue_veh), red_ds);
     }
     const elmopp_movement_t *site = &view->junction->movement[movement];
+    const float *row_veh = view->foreseen_veh[site->approach];
     const elmopp_urgency_lane_t lane = {.queue_veh = queue_veh,
                                         .capacity_veh = site->capacity_veh,
-                                        .foreseen_veh = view->foreseen_veh[site->approach],
-                                        .steps = view->foreseen_steps,
+                                        .foreseen_veh = row_veh,
+                                        .steps = (row_veh != NULL) ? view->foreseen_steps : 0U,
                                         .share = view->share[movement],
                                         .red_ds = red_ds,
                                         .going = going};

@@ -138,6 +138,10 @@ def test_what_cannot_be_run_is_refused_in_one_line(clips: Path, lanes: Path, tmp
     typo.write_text(lanes.read_text().replace('"direction"', '"direktion"', 1))
     video = clips / "plain.avi"
     requests = [
+        (
+            ("--source", video, "--lanes", Path(__file__).resolve().parents[2] / "README.md"),
+            "README.md: parse error at line 1, column 1",
+        ),
         (("--source", "nowhere.avi", "--lanes", lanes), "nowhere.avi"),
         (("--source", empty, "--lanes", lanes), "empty.avi"),
         (("--source", typo, "--lanes", lanes), "typo.lanes"),
@@ -157,6 +161,7 @@ def test_what_cannot_be_run_is_refused_in_one_line(clips: Path, lanes: Path, tmp
         lines = [line for line in done.stderr.splitlines() if line.startswith("elmopp-camera: ")]
         assert (done.returncode, len(lines)) == (2, 1), (arguments, done.stderr)
         assert word in lines[0]
+        assert "[json" not in lines[0]
 
 
 def test_a_source_that_can_never_run_is_refused_in_one_line(lanes: Path) -> None:

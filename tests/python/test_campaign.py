@@ -132,6 +132,35 @@ def test_bad_requests(tmp_path: Path) -> None:
     assert "has no run of naive, cumulative, pressure" in campaign("compare", tmp_path, expect=2)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ("foo", 'unknown chooser "foo"; right would be one of naive, '),
+        ("rollout@caution=2", "caution of chooser rollout is 2; right would be above 0, at most 1"),
+        ("naive:lstm", "right would be naive"),
+        ("static:lstm", "SUMO's own take no option and no forecast; right would be static"),
+    ],
+)
+def test_a_wrong_name_among_right_ones_is_refused_before_anything_is_written(
+    tmp_path: Path, wrong: str, right: str
+) -> None:
+    out = tmp_path / "out"
+    made = ("make", out, "--scenarios", tmp_path, "--choosers")
+    (tmp_path / "one.sumocfg").write_text("<configuration/>")
+    compare = [ROOT / "tools" / "sumo-compare", "--out", out, "--choosers", f"rollout,{wrong},static"]
+    done = subprocess.run(list(map(str, compare)), capture_output=True, text=True, check=False, timeout=60)
+    for code, said in ((done.returncode, done.stderr), (2, campaign(*made, f"rollout,{wrong}", expect=2))):
+        assert code == 2
+        assert said.count("\n") == 1, said
+        assert f"--choosers {wrong}: " in said
+        assert right in said
+    assert not out.exists()
+    for words in (("--seeds", "x"), ("--scenarios", "no/such")):
+        done = subprocess.run([*map(str, compare[:3]), *words], capture_output=True, text=True, check=False, timeout=60)
+        assert (done.returncode, done.stderr.count("\n"), out.exists()) == (2, 1, False), done.stderr
+        assert words[1] in done.stderr
+
+
 def test_the_comparison_is_students(tmp_path: Path) -> None:
     draw = random.Random(7)
     delays = {

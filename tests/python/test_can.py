@@ -20,7 +20,7 @@ from typing import Any
 import cantools
 import pytest
 from cantools.database.can import Database, Message
-from elmopp_tools.can_codec import DefinitionError, codec, families_of, layout
+from elmopp_tools.can_codec import DefinitionError, codec, families_of, layout, main
 
 ROOT = Path(__file__).resolve().parents[2]
 DBC = ROOT / "firmware" / "can" / "elmopp.dbc"
@@ -170,6 +170,16 @@ def test_a_family_that_is_laid_out_differently_is_refused(tmp_path: Path) -> Non
     other.write_text(text.replace(line[0], line[0].replace("Reason : 4|4", "Reason : 4|3")))
     with pytest.raises(DefinitionError, match="DetectorCounts1"):
         codec(other)
+
+
+def test_a_definition_that_is_not_there_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([str(tmp_path / "nix.dbc")]) == 2
+    said = capsys.readouterr().err
+    assert (
+        said == f"can: {tmp_path / 'nix.dbc'}: No such file or directory ; right would be a DBC file that can be read\n"
+    )
 
 
 # --- the codec ------------------------------------------------------------------------------------------------------

@@ -230,7 +230,9 @@ def test_a_board_that_is_reset_in_mid_green_begins_anew(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--seconds", "0"], "--seconds 0: right would be 1 to 2000"),
+        (["--seconds", "0"], '--seconds "0": right would be a whole number from 1 to 2000'),
+        (["--seconds", "abc"], '--seconds "abc": right would be a whole number from 1 to 2000'),
+        (["--seed", "-1"], '--seed "-1": right would be a whole number from 0 to 1000000000'),
         (["--scene", "fog"], '--scene "fog": right would be one of day, '),
         (["--faults", "fog:N@1-2"], '--faults "fog:N@1-2": right would be'),
         (["--faults", "black:N@1-2,reset@500"], "--faults reset@500 begins when the run is over"),
@@ -244,7 +246,8 @@ def test_a_board_that_is_reset_in_mid_green_begins_anew(tmp_path: Path) -> None:
         (["--reset-command", "true"], '--reset-command "true" is never run'),
         (["--site", "sites/paper.toml"], "simulation_only"),
         (["--chooser", "nobody"], "nobody"),
-        (["--vehicles", "0"], "--vehicles"),
+        (["--vehicles", "0"], '--vehicles "0": right would be a whole number from 1 to 100000'),
+        (["--link", "can:nope"], "nope"),
         (["--overlay", "x.gif"], "--overlay x.gif"),
     ],
 )
@@ -259,7 +262,32 @@ def test_what_cannot_be_run_is_refused_in_one_line(tmp_path: Path, words: list[s
     assert done.returncode == 2, done.stderr
     assert said in done.stderr
     assert done.stderr.count("\n") == 1
-    assert not (tmp_path / "out" / "closed_loop.json").exists()
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_help_tells_exit_codes_and_an_example_in_words_of_ours() -> None:
+    done = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True, check=True)
+    assert "Exit codes: 0 done, 1 " in done.stdout
+    assert "Example: elmopp-closed-loop --seconds " in done.stdout
+    assert not re.search(r"UINT|TEXT|FLOAT|:INT in", done.stdout), "CLI11's types"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--frob", "1"], "unknown argument '--frob'"),
+        (["frob"], "unknown argument 'frob'"),
+        (["--out", "x", "--seconds"], "--seconds has no value"),
+        (["--seconds", "5"], "--out is missing; right would be a folder"),
+    ],
+)
+def test_a_wrong_word_is_refused_before_anything_is_built(tmp_path: Path, words: list[str], said: str) -> None:
+    (tmp_path / "tools").mkdir()
+    tool = tmp_path / "tools" / "closed-loop"  # beside which there is nothing that it could build
+    tool.write_bytes((ROOT / "tools" / "closed-loop").read_bytes())
+    done = subprocess.run(["bash", str(tool), *words], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1), done.stderr
+    assert done.stderr.startswith(f"closed-loop: {said}")
 
 
 def test_the_drawing_and_the_counter_know_nothing_of_each_other() -> None:

@@ -93,6 +93,7 @@ def refused(folder: Path, arguments: Sequence[str], *words: str, code: int = 2, 
     assert len(said) == 1, done.stderr
     for word in words:
         assert word in done.stderr
+    assert "[json" not in done.stderr, "a library's words for us, not for those who ask"
     assert tree(folder) == before
     return done.stderr
 
@@ -110,6 +111,9 @@ BAD_VALUES = [
     ("run --chooser naive:mean", "naive:mean", "reads no forecast"),
     ("run --chooser ", '""', "naive"),
     ("run --profile papers", '"papers"', "paper, saturation, figure, literal"),
+    ("run --chooser rollout@caution=nan", '"nan"', "above 0, at most 1"),
+    ("run --chooser rollout@caution=2", "caution of chooser rollout is 2", "above 0, at most 1"),
+    ("run --profile discrete@speed=30@speed=40", '"speed" is given twice', "right would be once"),
     ("run --profile discrete@speed=0", "speed is 0", "5 to 200"),
     ("run --vehicles 0", '"0"', "1 to 100000"),
     ("run --vehicles -5", '"-5"', "1 to 100000"),
@@ -187,9 +191,11 @@ BAD_VALUES = [
     ("experiment --profile paper,frob", '"frob"', "paper, saturation, figure, literal"),
     ("experiment --profile discrete@site=frob", '"frob"', "four_way, left_lanes"),
     ("experiment --network grid:0x2", "grid:0x2", "ROWSxCOLUMNS"),
-    ("experiment --network nowhere.toml", "nowhere.toml", "TOML network file"),
+    ("experiment --network nowhere.toml", "--network nowhere.toml: cannot be read", "TOML network file"),
+    (f"experiment --network {ONE_WAY}", "key 'junctions' not found", "right would be name, junctions and adjacency"),
     ("experiment --network grid:2x2 --neighbours frob", '"frob"', "off, on, both"),
-    ("experiment --network grid:2x2 --profile paper", "paper", "only discrete"),
+    ("experiment --network grid:2x2 --profile paper", "--profile paper with --network grid:2x2", "only discrete"),
+    ("experiment --network grid:2x2 --profile discrete@site=one_way", "discrete@site=one_way", "without a site"),
     ("experiment --network grid:2x2 --split 1,1,1", "--split", "grid:2x2"),
     ("experiment --neighbours on", "--neighbours on", "--network"),
     ("experiment --link inproc", "--link inproc", "or a network"),
@@ -235,6 +241,14 @@ def test_a_road_that_cannot_be_is_named(tmp_path: Path, case: tuple[str, ...]) -
         f'name = "bad"\nadjacency = [[[0, 0, 0]]]\n[[junctions]]\nname = "a"\nsite = "four_way"\n{case[0]}\n'
     )
     refused(tmp_path, ["experiment", "--network", "bad.toml"], *case[1:])
+
+
+def test_a_site_of_a_network_that_is_none_is_named_with_its_junction(tmp_path: Path) -> None:
+    (tmp_path / "bad.toml").write_text(
+        'name = "bad"\nadjacency = [[[0, 0, 0]]]\n[[junctions]]\nname = "a"\nsite = "nowhere"\n'
+    )
+    words = ("network bad, junction a", 'site is "nowhere"', "right would be one of five_way, four_way")
+    refused(tmp_path, ["experiment", "--network", "bad.toml"], *words)
 
 
 def test_a_refusal_is_one_line_whatever_the_value_holds(tmp_path: Path) -> None:
@@ -352,7 +366,9 @@ def test_folders_without_permission_are_refused(tmp_path: Path, mode: int) -> No
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
 def test_a_full_disk_is_a_failure(tmp_path: Path) -> None:
     for arguments in (
+        ["run", "--log", "/dev/full"],
         ["run", "--summary", "/dev/full"],
+        ["run", "--log", "log.jsonl", "--summary", "/dev/full"],
         ["run", "--log", "/dev/full", "--summary", "summary.json"],
         ["inflow", "--csv", "/dev/full"],
     ):
@@ -416,6 +432,12 @@ def test_help_of_a_command_has_every_option(command: str) -> None:
     assert set(found) == {"help", *OPTIONS[command].split()}
     # None without a word of what it is for.
     assert not re.search(r"^\s+--\S+(?: \S+)?$(?!\n\s{20})", done.stdout, re.MULTILINE)
+
+
+def test_list_says_who_reads_forecasts() -> None:
+    listed = json.loads(succeed("list", "--json").stdout)
+    readers = [chooser["name"] for chooser in listed["choosers"] if chooser["forecasts"]]
+    assert f"\nForecasts, read by {' and '.join(readers)}: none, mean, " in succeed("list").stdout
 
 
 def test_list_as_json() -> None:

@@ -528,7 +528,8 @@ def test_the_program_refuses_in_one_line(tmp_path: Path, capsys: pytest.CaptureF
             (["--port", "x"], '--port "x"'),
             (["--port", "65536"], "0 to 65535"),
             (["--frame", str(bad)], "bad.json"),
-            (["--frame", "nowhere.png"], "nowhere.png"),
+            (["--frame", "nowhere.png"], "--frame nowhere.png: is no picture that can be read: No such file"),
+            (["--lanes", "nowhere.json"], "--lanes nowhere.json: cannot be read as JSON: No such file"),
             (["--lanes", str(bad)], "bad.json"),
         ]:
             assert edit_lanes.main(arguments) == 2

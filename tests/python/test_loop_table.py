@@ -38,4 +38,15 @@ def test_a_scene_has_its_lane_error_and_the_interval_of_what_counting_costs(
 
 def test_a_folder_without_a_result_is_refused_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([str(tmp_path / "none")]) == 2
-    assert "none/closed_loop.json" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"{tmp_path / 'none' / 'closed_loop.json'}: No such file" in said
+    assert "Errno" not in said
+
+
+def test_no_folder_is_refused_in_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([])
+    assert stop.value.code == 2
+    said = capsys.readouterr().err
+    assert said.startswith("closed-loop-table: the following arguments are required: DIR")
+    assert said.count("\n") == 1

@@ -87,3 +87,9 @@ def test_what_cannot_be_run_is_refused_in_one_line(tmp_path: Path, capsys: pytes
     first, second = capsys.readouterr().err.splitlines()
     assert "--seconds 100: right would be 180 or more" in first
     assert "nobody is missing" in second
+    with pytest.raises(SystemExit) as stop:
+        main([])
+    assert stop.value.code == 2
+    said = capsys.readouterr().err
+    assert said.startswith("closed-loop-troubles: the following arguments are required: --out")
+    assert said.count("\n") == 1

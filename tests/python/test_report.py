@@ -91,6 +91,7 @@ def sumo(tmp_path: Path) -> Path:
         for seed, delay in enumerate(delays, start=1):
             cells: dict[str, object] = dict.fromkeys(RUN_COLUMNS, 0) | {"scenario": "tee", "chooser": chooser}
             cells |= {"forecast": forecast or "none", "seed": seed, "delay_s": delay, "longest_wait_s": delay * 3}
+            cells["longest_red_s"] = delay * 4
             rows.append(cells)
     write_csv(folder / "runs.csv", list(RUN_COLUMNS), rows)
     compare(folder / "runs.csv", folder, ("rollout",))
@@ -185,16 +186,44 @@ def test_forecast_is_paired_by_trial(experiment: Path, tmp_path: Path) -> None:
 def test_sumo_tables_are_those_of_the_comparison(sumo: Path, tmp_path: Path) -> None:
     page = page_of(tmp_path / "page.html", "--sumo", sumo)
     assert page.row("The best rival", "tee")[:3] == ["tee", "fixed", "32.00"]
+    # Differences -6 and -7: half = 12.706 * 0.7071 / sqrt(2) = 6.35.
     ours = next(rows for key, rows in page.tables.items() if key.startswith("Ours against"))
-    with (sumo / "comparison.csv").open(encoding="utf-8", newline="") as stream:
-        assert ours[1:] == list(csv.reader(stream))[1:]
+    assert [row for row in ours if row[1] == "rollout"] == [
+        ["tee", "rollout", "fixed", "2", "25.50 (32.00)", "0.7969", "-6.50 ± 6.35", "0 (0)", "0 (0)", "81 (102)"]
+    ]
+    assert len(ours[0]) == len(ours[1])
     assert page.row("Longest wait", "rollout:lstm") == ["rollout:lstm", "76"]
+    assert page.row("Longest red", "rollout:lstm") == ["rollout:lstm", "102"]
 
 
 def test_sumo_forecast_is_held_against_none(sumo: Path, tmp_path: Path) -> None:
     """Differences -2 and -1.5: half = 12.706 * 0.25 = 3.18, undecided; ratio 47.5 / 51."""
     page = page_of(tmp_path / "page.html", "--sumo", sumo)
     assert page.row("What a forecast", "rollout:lstm") == ["rollout:lstm", "1", "0.931", "0", "0", "1"]
+
+
+def test_words_say_whether_the_network_beats_what_has_none(experiment: Path, sumo: Path, tmp_path: Path) -> None:
+    """Less ewma -2, -3, -1.5: surely better; less ar8 +1, +1.5, +2: surely worse."""
+    trials = experiment / "trials.csv"
+    lines = trials.read_text(encoding="utf-8").splitlines()
+    ewma = [line for line in lines if ",cumulative,ewma," in line]
+    for name, delays in (("lstm", (7.0, 8.5, 11.0)), ("ar8", (6.0, 7.0, 9.0))):
+        for line, delay_s in zip(ewma, delays, strict=True):
+            cells = line.replace(",ewma,", f",{name},").split(",")
+            cells[COLUMNS.index("mean_delay_s")] = str(delay_s)
+            lines.append(",".join(cells))
+    trials.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    page_of(tmp_path / "page.html", "--experiment", experiment, "--sumo", sumo)
+    text = (tmp_path / "page.html").read_text(encoding="utf-8")
+    told = "the interval excludes 0 in"
+    assert f"lstm less ewma: {told} 1 of 1 numbers of vehicles: for lstm in 1, against it in 0." in text
+    assert f"lstm less ar8: {told} 1 of 1 numbers of vehicles: for lstm in 0, against it in 1." in text
+    assert f"rollout. lstm less none: {told} 0 of 1 scenarios: for lstm in 0, against it in 0.</p>" in text
+
+
+def test_nothing_is_said_of_a_network_that_was_not_run(experiment: Path, tmp_path: Path) -> None:
+    page_of(tmp_path / "page.html", "--experiment", experiment)
+    assert "lstm less" not in (tmp_path / "page.html").read_text(encoding="utf-8")
 
 
 def test_run_says_changes_and_longest_red(log: Path, tmp_path: Path) -> None:

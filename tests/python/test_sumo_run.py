@@ -271,6 +271,9 @@ def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
     assert "--foretold with --chooser naive" in refused(*scenario, "--chooser", "naive", "--foretold", "x.csv")
     oracle = (*scenario, "--chooser", "cumulative:oracle")
     assert "no/folder" in refused(*oracle, "--foretold", "no/folder/x.csv")
+    assert "static:lstm: SUMO's own take no option and no forecast; right would be static" in refused(
+        *scenario, "--chooser", "static:lstm"
+    )
     assert "'0'" in refused(*scenario, "--chooser", "naive", "--min-green", 0)
     assert "--max-green 4 is below --min-green 5" in refused(*scenario, "--chooser", "naive", "--max-green", 4)
     assert "'5-1'" in refused(*scenario, "--chooser", "naive", "--seeds", "5-1")
@@ -292,7 +295,9 @@ def test_files_that_are_not_there_or_are_not_sumos(simple: tuple[Path, Path], tm
     net, routes = simple
     assert "no.net.xml is missing" in refused("--net", "no.net.xml", "--routes", routes, "--chooser", "naive")
     assert "no.rou.xml is missing" in refused("--net", net, "--routes", "no.rou.xml", "--chooser", "naive")
-    assert "no.sumocfg is missing" in refused("--sumocfg", "no.sumocfg", "--chooser", "naive")
+    assert "no.sumocfg is missing; right would be a SUMO configuration" in refused(
+        "--sumocfg", "no.sumocfg", "--chooser", "naive"
+    )
     lost = configuration(tmp_path, net, "lost.rou.xml")
     assert "lost.rou.xml is missing" in refused("--sumocfg", lost, "--chooser", "naive")
     wrong = tmp_path / "wrong.sumocfg"

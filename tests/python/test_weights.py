@@ -5,7 +5,10 @@
 from __future__ import annotations
 
 import re
+import shutil
 import struct
+import subprocess
+import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -221,3 +224,12 @@ def take_out_network(network: str) -> Callable[[Tensors], None]:
 def test_one_network_of_another_part_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert train(["--only", "paper", "--network", "ann"]) == 2
     assert "--network ann without part forecast ; both, or neither" in capsys.readouterr().err
+
+
+def test_the_help_of_the_training_needs_no_framework(tmp_path: Path) -> None:
+    """The interpreter of the checks has no jax, and beside a copy of the tools there is no environment that has."""
+    shutil.copytree(ROOT / "tools", tmp_path / "tools", ignore=shutil.ignore_patterns("__pycache__"))
+    command = [sys.executable, str(tmp_path / "tools" / "train"), "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "--network" in done.stdout

@@ -21,17 +21,23 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from elmopp_tools import sumo_compare
+from elmopp_tools.library import LibraryError
 from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, write
 from elmopp_tools.seeds import seeds_of
+from elmopp_tools.sumo_choosers import check_chooser
 from elmopp_tools.sumo_report import COLUMNS, scenario_name, table
+from elmopp_tools.sumo_signal import Times
 
 EXIT_FAILED = 1
+# Those of tools/sumo-run: whether a chooser can be made does not hang on them.
+USUAL_TIMES = Times(yellow_s=3, all_red_s=2, min_green_s=5, max_green_s=60, red_bound_s=0, junction_wait_s=0)
 ROOT = Path(__file__).resolve().parents[2]
 
 DESCRIPTION = """\
 Runs many SUMO scenarios under many controllers for many seeds, here or on a cluster.
 
-  make     writes CAMPAIGN/jobs.txt, one command a line
+  check    asks whether choosers, seeds and scenarios are such as make can use, and writes nothing
+  make     asks the same, then writes CAMPAIGN/jobs.txt, one command a line
   run      runs its lines with GNU parallel; lines that have their result are left out, so that it goes on where it was
            broken off
   merge    writes CAMPAIGN/runs.csv, one table of all results in the order of the job file
@@ -68,10 +74,10 @@ class Line:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns its exit code."""
     options = _parser().parse_args(arguments)
-    steps = {"make": _make, "run": _run, "merge": _merge, "compare": _compare}
+    steps = {"check": _check, "make": _make, "run": _run, "merge": _merge, "compare": _compare}
     try:
         steps[options.step](options)
-    except (CampaignError, sumo_compare.CompareError) as error:
+    except (CampaignError, LibraryError, sumo_compare.CompareError) as error:
         say("campaign", str(error))
         return EXIT_REFUSED
     except IncompleteError as error:
@@ -89,17 +95,13 @@ def _parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     steps = parser.add_subparsers(dest="step", required=True, metavar="STEP")
-    for name in ("make", "run", "merge", "compare"):
+    for name in ("check", "make", "run", "merge", "compare"):
         step = steps.add_parser(name, prog=f"tools/campaign {name}", allow_abbrev=False)
-        step.add_argument("campaign", metavar="CAMPAIGN", type=Path, help="its folder")
+        if name != "check":
+            step.add_argument("campaign", metavar="CAMPAIGN", type=Path, help="its folder")
+        if name in {"check", "make"}:
+            _add_choice(step, scenarios_needed=name == "make")
         if name == "make":
-            step.add_argument(
-                "--scenarios", metavar="FOLDER|FILE,...", required=True, help="sumocfg files, or a folder of them"
-            )
-            step.add_argument("--choosers", metavar="A,B:FORECAST,...", required=True)
-            step.add_argument(
-                "--seeds", metavar="A-B|A,B", type=seeds_of, default=tuple(range(1, 11)), help="(default: 1-10)"
-            )
             step.add_argument(
                 "--options", metavar="TEXT", default="", help="further options of tools/sumo-run, in one word"
             )
@@ -112,6 +114,16 @@ def _parser() -> argparse.ArgumentParser:
         if name == "compare":
             step.add_argument("--ours", metavar="A,B", default=",".join(sumo_compare.OURS), help="who is no rival")
     return parser
+
+
+def _add_choice(step: argparse.ArgumentParser, *, scenarios_needed: bool) -> None:
+    step.add_argument(
+        "--scenarios", metavar="FOLDER|FILE,...", required=scenarios_needed, help="sumocfg files, or a folder of them"
+    )
+    step.add_argument(
+        "--choosers", metavar="A,B@OPTION:FORECAST,...", required=True, help="each as tools/sumo-run --chooser takes it"
+    )
+    step.add_argument("--seeds", metavar="A-B|A,B", type=seeds_of, default=tuple(range(1, 11)), help="(default: 1-10)")
 
 
 def _configurations(text: str) -> list[Path]:
@@ -127,7 +139,16 @@ def _configurations(text: str) -> list[Path]:
     return files
 
 
+def _check(options: argparse.Namespace) -> None:
+    """A name that is wrong would else fail once a scenario and seed, after the others have run."""
+    for chooser in options.choosers.split(","):
+        check_chooser("--choosers", chooser, USUAL_TIMES)
+    if options.scenarios is not None:
+        _configurations(options.scenarios)
+
+
 def _make(options: argparse.Namespace) -> None:
+    _check(options)
     lines = list(_lines(options))
     if len({line.result for line in lines}) != len(lines):
         raise CampaignError("two lines have the same result ; every scenario's file name and every chooser once")

@@ -19,7 +19,7 @@ import cantools.database.errors
 from cantools.database.can import Database, Message
 from cantools.database.can.c_source import generate
 
-from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, Outputs, compare, say, write
+from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, Outputs, compare, say, why, write
 
 NAME = "elmopp_can"
 DESCRIPTION = """\
@@ -57,7 +57,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return compare("can", options.dbc, outputs)
         write(outputs)
     except (DefinitionError, OSError, cantools.database.errors.Error) as error:
-        say("can", f"{options.dbc}: {error}")
+        right = " ; right would be a DBC file that can be read" if isinstance(error, OSError) else ""
+        say("can", f"{options.dbc}: {why(error)}{right}")
         return EXIT_REFUSED
     return EXIT_DONE
 

@@ -16,6 +16,7 @@ import jsonschema
 from PIL import Image, ImageDraw, UnidentifiedImageError
 
 from elmopp_tools.lane_rules import STEPS, complaints
+from elmopp_tools.outputs import why
 
 EXIT_DONE = 0
 EXIT_REFUSED = 2
@@ -51,7 +52,9 @@ def read_lanes(file: Path) -> dict[str, Any]:
     try:
         lanes = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise RequestError(f"--lanes {file}: cannot be read as JSON: {error}") from None
+        raise RequestError(
+            f"--lanes {file}: cannot be read as JSON: {why(error)}; right would be a lane file"
+        ) from None
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     errors = sorted(jsonschema.Draft202012Validator(schema).iter_errors(lanes), key=lambda e: list(map(str, e.path)))
     if errors:
@@ -90,7 +93,7 @@ def run(request: argparse.Namespace) -> None:
     try:
         picture = Image.open(request.frame).convert("RGB")
     except (OSError, UnidentifiedImageError) as error:
-        raise RequestError(f"--frame {request.frame}: is no picture that can be read: {error}") from None
+        raise RequestError(f"--frame {request.frame}: is no picture that can be read: {why(error)}") from None
     if picture.size != (lanes["width"], lanes["height"]):
         size = f"{picture.size[0]} x {picture.size[1]}"
         raise RequestError(

@@ -23,6 +23,7 @@ from urllib.parse import quote
 from PIL import Image, UnidentifiedImageError
 
 from elmopp_tools.draw_lanes import EXIT_DONE, EXIT_REFUSED, RequestError, read_lanes
+from elmopp_tools.outputs import why
 
 PAGE = Path(__file__).with_name("lane_editor.html")
 PORT = 8138
@@ -97,7 +98,7 @@ def _picture(file: Path) -> Document:
             picture.verify()
         return Document(kind, file.name, file.read_bytes())
     except (OSError, UnidentifiedImageError, SyntaxError) as error:
-        raise RequestError(f"--frame {file}: is no picture that can be read: {error}") from None
+        raise RequestError(f"--frame {file}: is no picture that can be read: {why(error)}") from None
 
 
 def documents_of(request: argparse.Namespace) -> dict[str, Document]:

@@ -3,19 +3,15 @@
 
 """What several runs of tools/closed-loop say together, as a table in Markdown: by scene, and by lane."""
 
-import argparse
 import json
 import statistics
-import sys
 from collections import defaultdict
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, why
 from elmopp_tools.paired import half_width, paired
-
-EXIT_DONE = 0
-EXIT_REFUSED = 2
 
 Result = dict[str, Any]
 
@@ -78,15 +74,17 @@ def by_lane(results: Sequence[Result]) -> list[str]:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        prog="closed-loop-table", description="Sums up runs of tools/closed-loop, as tables in Markdown."
+    parser = OneLineParser(
+        prog="tools/closed-loop-table", description="Sums up runs of tools/closed-loop, as tables in Markdown."
     )
     parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="what --out named")
     arguments = parser.parse_args(words)
     try:
         results = [read(folder) for folder in arguments.folders]
     except (OSError, ValueError) as error:
-        print(f"closed-loop-table: {error}; right would be folders that tools/closed-loop wrote", file=sys.stderr)
+        file = getattr(error, "filename", None)
+        where = f"{file}: " if file else ""
+        say("closed-loop-table", f"{where}{why(error)}; right would be folders that tools/closed-loop wrote")
         return EXIT_REFUSED
     print("\n".join([*by_scene(results), "", *by_lane(results)]))
     return EXIT_DONE

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from elmopp_tools.loop_table import Result, read
+from elmopp_tools.outputs import OneLineParser
 from elmopp_tools.paired import paired
 
 # Beside a run's files: of which program they are.
@@ -149,8 +150,8 @@ def refusal(arguments: argparse.Namespace) -> str | None:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(
-        prog="closed-loop-troubles",
+    parser = OneLineParser(
+        prog="tools/closed-loop-troubles",
         description="Runs the closed loop without and with each of seven troubles and prints what the street saw. "
         "Goes on where it was broken off, as long as the program is the same.",
     )

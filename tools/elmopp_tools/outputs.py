@@ -29,6 +29,11 @@ def say(tool: str, message: str) -> None:
     print(" ".join(f"{tool}: {message}".split()), file=sys.stderr)
 
 
+def why(error: Exception) -> str:
+    """What went wrong, without the number of an OSError and the file that the message names already."""
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
+
 def why_not_writable(path: Path) -> tuple[str, str] | None:
     """What is wrong with an output and what would be right. A rename would replace a device or a folder by a file."""
     if path.exists() and not path.is_file():

@@ -14,6 +14,24 @@ from typing import Any
 from elmopp_tools.sumo_compare import Cell, CompareError, read_cells
 
 PATH_COLUMNS = ("t_s", "approach", "vehicle", "distance_m")
+OURS_COLUMNS = (
+    "scenario",
+    "chooser",
+    "best_rival",
+    "seeds",
+    "delay_s",
+    "rival_delay_s",
+    "ratio",
+    "difference_s",
+    "ci_low_s",
+    "ci_high_s",
+    "not_inserted",
+    "rival_not_inserted",
+    "teleports",
+    "rival_teleports",
+    "longest_wait_s",
+    "rival_longest_wait_s",
+)
 LOG_KEYS = ("t_s", "stage", "aspects", "present", "arrived", "forecast")
 
 Table = list[dict[str, str]]
@@ -66,7 +84,7 @@ def read_comparison(folder: Path) -> Comparison:
     return Comparison(
         standings=_table(folder / "standings.csv", ("chooser", "mean_ratio", "worst_ratio", "longest_wait_s")),
         best_rivals=_table(folder / "best_rivals.csv", ("scenario", "best_rival", "delay_s")),
-        ours=_table(folder / "comparison.csv", ("scenario", "chooser", "rival_delay_s", "ci_low_s", "ci_high_s")),
+        ours=_table(folder / "comparison.csv", OURS_COLUMNS),
         cells=cells,
     )
 

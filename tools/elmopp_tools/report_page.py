@@ -20,7 +20,7 @@ from elmopp_tools.sumo_compare import Cell
 STYLE = """
 :root { color-scheme: light; }
 body { font: 15px/1.45 "DejaVu Sans", Verdana, sans-serif; color: #1a1a1a; background: #fff;
-       max-width: 62rem; margin: 2rem auto; padding: 0 1rem; }
+       max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.7rem; } h2 { font-size: 1.3rem; margin-top: 2.6rem; border-bottom: 2px solid #0072B2; }
 h3 { font-size: 1.05rem; margin-top: 1.8rem; }
 nav a { margin-right: 1.2em; } a { color: #0072B2; }
@@ -28,7 +28,8 @@ p { max-width: 46rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: 0.6rem 0 1.2rem; font-size: 0.86rem; font-variant-numeric: tabular-nums; }
 caption { text-align: left; color: #555; padding-bottom: 0.3rem; }
-th, td { padding: 0.18rem 0.7rem; text-align: right; white-space: nowrap; }
+th, td { padding: 0.18rem 0.4rem; text-align: right; white-space: nowrap; }
+thead th { white-space: normal; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; padding-left: 0; }
 thead th { border-bottom: 1px solid #555; } tbody tr:nth-child(even) { background: #f4f6f8; }
 td.best { font-weight: bold; } td.best::before { content: "▸ "; color: #0072B2; }
@@ -38,6 +39,8 @@ figcaption { color: #555; font-size: 0.86rem; max-width: 46rem; }
 
 NOTHING = "\N{EN DASH}"
 REFERENCES = ("none", "ewma")  # what a forecast is held against: the first of them that was run
+JUDGED = "lstm"  # what it is said of in words whether it beats ...
+SIMPLE = ("none", "ewma", "ar8")  # ... those without a network
 
 
 def make_page(
@@ -151,7 +154,32 @@ def _ablation(rows: Sequence[Row]) -> str:
         ]
         caption = f"{chooser}: mean delay with each forecast less that with {reference}, s, paired, 95 % interval"
         parts.append(_table(caption, ["forecast", *(f"N = {count}" for count in counts)], lines))
+        parts.append(
+            _in_words(
+                chooser,
+                "numbers of vehicles",
+                {
+                    name: [_pair_at(delay[JUDGED], delay[name], count) for count in counts]
+                    for name in SIMPLE
+                    if name in delay and JUDGED in delay
+                },
+            )
+        )
     return "".join(parts)
+
+
+def _in_words(chooser: str, cells: str, pairs: dict[str, list[Pair | None]]) -> str:
+    """Whether the judged forecast beats those without a network, from the same pairs as the table; nothing of none."""
+    said = []
+    for name, all_of_them in pairs.items():
+        known = [pair for pair in all_of_them if pair is not None]
+        better, worse = sum(pair.high < 0.0 for pair in known), sum(pair.low > 0.0 for pair in known)
+        if known:
+            said.append(
+                f"{JUDGED} less {name}: the interval excludes 0 in {better + worse} of {len(known)} {cells}: "
+                f"for {JUDGED} in {better}, against it in {worse}."
+            )
+    return f"<p>{escape(' '.join([f'{chooser}.', *said]))}</p>" if said else ""
 
 
 def _pair_at(
@@ -186,8 +214,13 @@ def _sumo(comparison: Comparison) -> str:
                 "Ours beside the best rival, by scenario",
                 "Left of the line is better than the best rival. What is off the axis is in the table.",
             ),
-            _rows("Ours against the best rival, paired by seed", comparison.ours),
-            _waits(comparison.cells),
+            _ours(comparison.ours),
+            _longest("Longest wait of a vehicle over all seeds, s", comparison.cells, lambda cell: cell.longest_wait_s),
+            _longest(
+                "Longest red that a waiting vehicle saw, over all seeds, s",
+                comparison.cells,
+                lambda cell: cell.longest_red_s,
+            ),
             _sumo_ablation(comparison.cells),
         )
     )
@@ -198,16 +231,41 @@ def _rows(caption: str, rows: Table) -> str:
     return _table(caption, [name.replace("_", " ") for name in head], [list(row.values()) for row in rows])
 
 
-def _waits(cells: Sequence[Cell]) -> str:
+def _ours(rows: Table) -> str:
+    """comparison.csv, the rival's value in brackets beside ours."""
+    head = [
+        "scenario",
+        "chooser",
+        "best rival",
+        "seeds",
+        "delay, s (rival)",
+        "ratio",
+        "difference ± 95 % interval, s",
+        "not inserted (rival)",
+        "teleports (rival)",
+        "longest wait, s (rival)",
+    ]
+    lines = []
+    for row in rows:
+        half_s = (float(row["ci_high_s"]) - float(row["ci_low_s"])) / 2.0
+        beside = [f"{row[key]} ({row[f'rival_{key}']})" for key in ("not_inserted", "teleports", "longest_wait_s")]
+        names = [row[key] for key in ("scenario", "chooser", "best_rival", "seeds")]
+        delay = f"{row['delay_s']} ({row['rival_delay_s']})"
+        difference = f"{float(row['difference_s']):+.2f} ± {half_s:.2f}"
+        lines.append([*names, delay, row["ratio"], difference, *beside])
+    return _table("Ours against the best rival, paired by seed", head, lines)
+
+
+def _longest(caption: str, cells: Sequence[Cell], value_of: Callable[[Cell], float]) -> str:
     scenarios = sorted({cell.scenario for cell in cells})
     by_name: dict[str, dict[str, Cell]] = {}
     for cell in cells:
         by_name.setdefault(cell.name, {})[cell.scenario] = cell
     lines = [
-        [name, *(f"{here[s].longest_wait_s:.0f}" if s in here else NOTHING for s in scenarios)]
+        [name, *(f"{value_of(here[s]):.0f}" if s in here else NOTHING for s in scenarios)]
         for name, here in by_name.items()
     ]
-    return _table("Longest wait of a vehicle over all seeds, s", ["chooser", *scenarios], lines)
+    return _table(caption, ["chooser", *scenarios], lines)
 
 
 def _sumo_ablation(cells: Sequence[Cell]) -> str:
@@ -223,20 +281,39 @@ def _sumo_ablation(cells: Sequence[Cell]) -> str:
         lines = [[name, *_against(name, reference, scenarios, by_name)] for name in names if name != reference]
         head = ["", "scenarios", "geometric mean of the ratio", "better in", "worse in", "undecided in"]
         parts.append(_table(f"What a forecast is worth: delay beside {reference}, paired by seed", head, lines))
+        parts.append(_in_words(chooser, "scenarios", _sumo_pairs(chooser, names, scenarios, by_name)))
     return "".join(parts)
+
+
+def _sumo_pairs(
+    chooser: str, names: Sequence[str], scenarios: Sequence[str], cells: dict[tuple[str, str], Cell]
+) -> dict[str, list[Pair | None]]:
+    """Of the judged forecast and each without a network that was run, by scenario."""
+    judged = f"{chooser}:{JUDGED}"
+    others = {name: chooser if name == "none" else f"{chooser}:{name}" for name in SIMPLE}
+    return {
+        name: [_sumo_pair(cells.get((judged, s)), cells.get((other, s))) for s in scenarios]
+        for name, other in others.items()
+        if judged in names and other in names
+    }
+
+
+def _sumo_pair(one: Cell | None, other: Cell | None) -> Pair | None:
+    if one is None or other is None:
+        return None
+    seeds = sorted(one.delay_s.keys() & other.delay_s.keys())
+    return paired([one.delay_s[seed] for seed in seeds], [other.delay_s[seed] for seed in seeds])
 
 
 def _against(name: str, reference: str, scenarios: Sequence[str], cells: dict[tuple[str, str], Cell]) -> list[str]:
     logs: list[float] = []
     better = worse = 0
     for scenario in scenarios:
-        if (name, scenario) not in cells:
-            continue
-        one, other = cells[name, scenario].delay_s, cells[reference, scenario].delay_s
-        seeds = sorted(one.keys() & other.keys())
-        pair = paired([one[seed] for seed in seeds], [other[seed] for seed in seeds])
-        if pair is not None:
-            logs.append(math.log(sum(one[seed] for seed in seeds) / sum(other[seed] for seed in seeds)))
+        one, other = cells.get((name, scenario)), cells[reference, scenario]
+        pair = _sumo_pair(one, other)
+        if one is not None and pair is not None:
+            seeds = one.delay_s.keys() & other.delay_s.keys()
+            logs.append(math.log(sum(one.delay_s[s] for s in seeds) / sum(other.delay_s[s] for s in seeds)))
             better += pair.high < 0.0
             worse += pair.low > 0.0
     mean = f"{math.exp(statistics.fmean(logs)):.3f}" if logs else NOTHING

@@ -36,6 +36,7 @@ class Cell:
     not_inserted: int
     teleports: int
     longest_wait_s: float
+    longest_red_s: float
 
     @property
     def mean_s(self) -> float:
@@ -74,6 +75,7 @@ def read_cells(runs: Path) -> list[Cell]:
             not_inserted=sum(int(run["not_inserted"]) for run in members),
             teleports=sum(int(run["teleports"]) for run in members),
             longest_wait_s=max(float(run["longest_wait_s"]) for run in members),
+            longest_red_s=max(float(run["longest_red_s"]) for run in members),
         )
         for (scenario, name), members in grouped.items()
     ]

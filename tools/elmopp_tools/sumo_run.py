@@ -15,10 +15,10 @@ from pathlib import Path
 
 import libsumo
 
-from elmopp_tools.library import CoreJunction, FaultError, LibraryError
+from elmopp_tools.library import FaultError, LibraryError
 from elmopp_tools.outputs import EXIT_DONE, EXIT_REFUSED, OneLineParser, say, why_not_writable, write
 from elmopp_tools.seeds import seeds_of
-from elmopp_tools.site_image import image_bytes
+from elmopp_tools.sumo_choosers import check_chooser
 from elmopp_tools.sumo_drive import Driver, PathLog, Street
 from elmopp_tools.sumo_neighbours import Gateway
 from elmopp_tools.sumo_network import Network
@@ -26,7 +26,7 @@ from elmopp_tools.sumo_oracle import FORETOLD_COLUMNS, Record, foretold
 from elmopp_tools.sumo_own import PROGRAM, TYPES, own_programmes
 from elmopp_tools.sumo_report import COLUMNS, read_statistics, read_trips, row, table
 from elmopp_tools.sumo_scenario import Scenario, ScenarioError, scenario_of
-from elmopp_tools.sumo_signal import Phase, Programme, Signal, SignalError, Times, junction_of, read_signal
+from elmopp_tools.sumo_signal import Signal, SignalError, Times, read_signal
 
 EXIT_FAILED = 1
 
@@ -58,7 +58,7 @@ counted in every second of it found no green; stops, switches, teleports, co2_kg
 Exit codes: 0 done; 1 a run failed; 2 the request cannot be run, with one line that says what and what would be right.
 
 Examples:
-  tools/sumo-run --sumocfg out/sumo/x2prot/x2prot.sumocfg --chooser pressure --seeds 1-5 --csv pressure.csv
+  tools/sumo-run --sumocfg out/sumo/protected-low/protected-low.sumocfg --chooser pressure --seeds 1-5 --csv out.csv
   tools/sumo-run --net town.net.xml --routes town.rou.xml --end 3600 --chooser sumo-actuated --seeds 1 --csv -"""
 
 
@@ -133,7 +133,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--end", metavar="S", type=_second, help="last second (default: the scenario's, or when all have arrived)"
     )
-    parser.add_argument("--chooser", metavar="NAME[:FORECAST]", required=True, help="who chooses the stages")
+    parser.add_argument(
+        "--chooser", metavar="CHOOSER", required=True,
+        help="who chooses the stages: NAME[@OPTION[=VALUE]...][:FORECAST], as rollout@caution=0.3:lstm",
+    )  # fmt: skip
     parser.add_argument("--seeds", metavar="A-B|A,B", type=seeds_of, default=(1,), help="SUMO's seeds (default: 1)")
     parser.add_argument("--yellow", metavar="S", type=_whole(0, 600), default=3, help="amber (default: 3)")
     parser.add_argument(
@@ -217,7 +220,7 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         red_bound_s=options.red_bound,
         junction_wait_s=options.junction_wait,
     )
-    _check_chooser(options.chooser, times)
+    check_chooser("--chooser", options.chooser, times)
     if options.neighbours and options.chooser in TYPES:
         raise ScenarioError(f"--neighbours with --chooser {options.chooser} ; a chooser of ours, as SUMO's hear nobody")
     if options.foretold and not options.chooser.endswith(ORACLE):
@@ -241,19 +244,6 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
         )
         for seed in options.seeds
     ]
-
-
-def _check_chooser(chooser: str, times: Times) -> None:
-    """Whether the library knows it, on the smallest junction there is."""
-    if chooser in TYPES:
-        return
-    programme = Programme(
-        "check", (Phase("Gr", 30.0), Phase("rG", 30.0)), ((("a", "a_0"),), (("b", "b_0"),)), frozenset()
-    )
-    try:
-        CoreJunction(image_bytes(junction_of(read_signal(programme), times, 100.0)), chooser).close()
-    except LibraryError as error:
-        raise ScenarioError(f"--chooser {chooser}: {error}, or SUMO's own {', '.join(TYPES)}") from None
 
 
 def _check_output(option: str, file: Path | None) -> None:

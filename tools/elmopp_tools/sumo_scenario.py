@@ -84,7 +84,7 @@ def _check_net(file: Path) -> None:
 
 def _of_configuration(file: Path, begin_s: float | None, end_s: float | None) -> Scenario:
     if not file.is_file():
-        raise ScenarioError(f"--sumocfg {file} is missing ; a SUMO configuration")
+        raise ScenarioError(f"--sumocfg {file} is missing; right would be a SUMO configuration")
     try:
         root = ElementTree.parse(file).getroot()  # noqa: S314  a scenario of the user's own
     except ElementTree.ParseError as error:

@@ -26,8 +26,9 @@ typedef struct {
     uint32_t going;            ///< mask of the movements that are green now
     const float
         *foreseen_veh[ELMOPP_APPROACH_MAX]; ///< [approach][step] vehicles that will come in second step + 1 from now
-    uint16_t foreseen_steps;                ///< steps in each row; 0: nothing is foreseen and the rows are null
-    uint16_t elapsed_ds;                    ///< how long the stage has been shown; 0 if none is
+    uint16_t foreseen_steps; ///< steps in each row that there is; a null one: nothing is foreseen of its approach; 0:
+                             ///< of none, and all are null
+    uint16_t elapsed_ds;     ///< how long the stage has been shown; 0 if none is
     elmopp_stage_t stage; ///< the stage that is shown; ELMOPP_STAGE_NONE before the first decision and in an intergreen
     elmopp_stage_t target; ///< the stage shown or being brought up; ELMOPP_STAGE_NONE before the first decision
 } elmopp_view_t;

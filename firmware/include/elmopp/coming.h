@@ -10,9 +10,10 @@
 /// MSE of the mean, never below 0, and each row has that of the nearer one. So a forecast that knows nothing does no
 /// harm, and one that knows all counts in full. Who is hidden behind a full reach comes as fast as a queue can.
 ///
-/// It decides nothing and knows neither stage nor lamp. A row below 0 or not a number says nobody.
+/// It decides nothing and knows neither stage nor lamp. A row below 0 or not a number says nobody; of an approach
+/// without a row the mean is all that is expected, and on the account.
 ///
-/// Its state is fixed memory of about 23 kB, most of it the table of sums; its owner is the chooser. Not thread-safe.
+/// Its state is fixed memory of 21 kB, most of it the table of sums; its owner is the chooser. Not thread-safe.
 
 #ifndef ELMOPP_COMING_H
 #define ELMOPP_COMING_H

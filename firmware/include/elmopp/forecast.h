@@ -152,8 +152,9 @@ uint16_t elmopp_forecast_look_on(elmopp_forecast_t *self, uint16_t steps, const 
 uint16_t elmopp_forecast_fall_back(elmopp_forecast_t *self, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 
 /// Lays what neighbours say ([approach]) over rows that are there, of `steps` seconds; where there are none (0) over
-/// rows of nobody of `asked` seconds. Returns the steps of the rows, which are then the forecast's own memory. If no
-/// neighbour says anything, rows and steps stay as they are. The account knows nothing of it: it is of the forecast.
+/// rows of nobody of `asked` seconds, and the row of an approach whose neighbour is silent is null: nothing is known of
+/// it. Returns the steps of the rows, which are then the forecast's own memory. If no neighbour says anything, rows and
+/// steps stay as they are. The account knows nothing of it: it is of the forecast.
 uint16_t elmopp_forecast_hear(elmopp_forecast_t *self, const elmopp_outflow_t outflow[ELMOPP_APPROACH_MAX],
                               uint16_t asked, uint16_t steps, const float *rows[ELMOPP_APPROACH_MAX]);
 

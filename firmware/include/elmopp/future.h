@@ -30,7 +30,7 @@
 /// asked again only when another stage could press enough by then, which is never later than it would answer otherwise.
 ///
 /// What it never does: decide, observe, touch a lamp. One future takes at most horizon_s times (stages + movements)
-/// steps, and as many more for each pair that gives way. It owns fixed memory of about 5 kB; sight and table belong to
+/// steps, and as many more for each pair that gives way. It owns fixed memory of 5.6 kB; sight and table belong to
 /// the caller. Not thread-safe.
 
 #ifndef ELMOPP_FUTURE_H

@@ -32,7 +32,7 @@
 ///
 /// The idea is rollout over base policies (Bertsekas); why these, and what was tried: docs/design.md.
 ///
-/// Its state is fixed memory that the caller owns: about 36 kB. Not thread-safe; one owner.
+/// Its state is fixed memory that the caller owns: 38 kB. Not thread-safe; one owner.
 
 #ifndef ELMOPP_ROLLOUT_H
 #define ELMOPP_ROLLOUT_H

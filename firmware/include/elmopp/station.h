@@ -6,7 +6,7 @@
 /// Decides nothing: it looks up what the site asks for and owns the memory that the parts need, so that a port has one
 /// object to place. The forecast knows what a street knows: the shipped regression, running means.
 ///
-/// A chooser's window is the site's. The rollout's state, 36 kB, lies here whether the site names it or not. The 46 kB
+/// A chooser's window is the site's. The rollout's state, 38 kB, lies here whether the site names it or not. The 46 kB
 /// of learning on, and 87 kB more of a nested network's, do not: a board has them somewhere of its own, or not at all,
 /// and then its sites run with the weights as they are.
 ///
