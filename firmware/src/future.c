@@ -169,9 +169,8 @@ static float pressure_by_law(const elmopp_future_t *self, uint32_t stage, uint32
     return sum;
 }
 
-/* Queue times flow in second `step`, summed over another stage than the one shown. */
-static float pressure_of(const elmopp_future_t *self, uint32_t stage, uint32_t step) {
-    const float *flow_veh_per_s = self->sight->flow_veh_per_s[stage];
+/* Queue times flow in second `step`, summed over a stage. */
+static float pressure_of(const elmopp_future_t *self, uint32_t stage, const float *flow_veh_per_s, uint32_t step) {
     if (!self->learnt) {
         return pressure_by_law(self, stage, step);
     }
@@ -201,7 +200,11 @@ static float driving_up(const elmopp_future_t *self, uint32_t movement, uint32_t
     return (more_veh >= NOBODY_VEH) ? more_veh : 0.0F;
 }
 
+/* Of the stage shown: its queues and who drives up to them. */
 static float own_pressure(const elmopp_future_t *self, uint32_t step) {
+    if ((!self->looks) || (step >= self->coming->even_step)) {
+        return pressure_of(self, self->shown, self->flow_veh_per_s, step); /* no more come than in the mean */
+    }
     float sum = 0.0F;
     for (uint32_t i = 0U; i < self->served_count[self->shown]; i++) {
         const uint32_t j = self->served[self->shown][i];
@@ -237,7 +240,7 @@ static elmopp_stage_t press_most(elmopp_future_t *self, uint32_t step, float own
     for (uint32_t s = 0U; s < stages; s++) {
         float possible = (1.001F * self->pressed[s]) + grown;
         if ((!looked) || (s == shown) || (possible > greatest)) {
-            const float sum = (s == shown) ? own : pressure_of(self, s, step);
+            const float sum = (s == shown) ? own : pressure_of(self, s, self->sight->flow_veh_per_s[s], step);
             possible = sum + (SLOW_PART * self->square[s]);
             best = (sum > greatest) ? s : best;
             greatest = elmopp_greater(sum, greatest);
