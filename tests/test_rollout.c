@@ -84,6 +84,7 @@ static void test_the_defaults_are_those_that_were_measured(void) {
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.coming.mean_weight);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.future.yellow_used_s);
     TEST_ASSERT_EQUAL_FLOAT(1.5F, measured.future.stop_s);
+    TEST_ASSERT_TRUE(measured.future.look);
 }
 
 static void test_it_asks_for_the_forecast_that_its_horizon_needs(void) {
@@ -396,6 +397,57 @@ static void test_an_approach_without_a_row_has_its_mean_on_the_account(void) {
     TEST_ASSERT_TRUE(error->mean > 0.0F);
     TEST_ASSERT_EQUAL_FLOAT(error->mean, error->forecast);
     TEST_ASSERT_EQUAL_FLOAT(0.0F, rollout.coming.near_weight);
+}
+
+/* --- who drives up to a green --- */
+
+/* One waits on red; on green `veh` a second are foreseen for half a minute, as fast as they can go. Score of keeping
+   the green for a second and then as the rule says. */
+static float score_of_keeping(bool looks, uint16_t travel_s, float veh) {
+    options = elmopp_rollout_defaults(travel_s);
+    options.coming.weigh_skill = false;
+    options.coming.row_weight = 1.0F;
+    options.future.look = looks;
+    options.hold_count = 1U;
+    options.rule_count = 1U;
+    start();
+    foresee(veh, ELMOPP_ACCOUNT_PROBE_S);
+    seen.share[1] = 0.0F;
+    set_queues(0.0F, 1.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    return seen.score[0];
+}
+
+/* 15 vehicles flow through the green. A rule that sees queues alone leaves it for the one, and they wait for it to come
+   back; he who waits for them waits for 44 s. */
+static void test_the_rule_does_not_cut_a_platoon_that_flows_through_its_green(void) {
+    const float kept = score_of_keeping(true, 8U, 0.5F);
+    TEST_ASSERT_FLOAT_WITHIN(6.0F, -44.0F, kept);
+    TEST_ASSERT_TRUE(score_of_keeping(false, 8U, 0.5F) < (kept - 40.0F));
+}
+
+static void test_where_nobody_is_seen_to_drive_the_rule_sees_queues_alone(void) {
+    const float blind = score_of_keeping(false, 0U, 0.5F);
+    const float score = score_of_keeping(true, 0U, 0.5F);
+    TEST_ASSERT_EQUAL_MEMORY(&blind, &score, sizeof score);
+}
+
+/* Who comes in the mean comes in any case, and keeps no green. */
+static void test_the_mean_keeps_no_green(void) {
+    float score[2];
+    for (uint32_t look = 0U; look < 2U; look++) {
+        options = elmopp_rollout_defaults(8U);
+        options.future.look = look != 0U;
+        start();
+        for (uint32_t t = 0U; t < 30U; t++) {
+            seen.arrivals_veh[0] = (t < 20U) ? 0.4F : 0.0F;
+            set_queues(0.0F, 1.0F, 0.0F);
+            (void)ask_in(0U, 50U);
+        }
+        score[look] = seen.score[0];
+    }
+    TEST_ASSERT_TRUE(rollout.coming.expected_veh_per_s[0] > 0.1F);
+    TEST_ASSERT_EQUAL_MEMORY(&score[0], &score[1], sizeof score[0]);
 }
 
 /* Two drive 3 s: not queued in seconds 1 and 2, then for the other 8. */
@@ -784,6 +836,9 @@ int main(void) {
     RUN_TEST(test_without_rows_the_mean_of_the_arrivals_counts_half);
     RUN_TEST(test_an_approach_without_a_row_is_expected_by_its_mean);
     RUN_TEST(test_an_approach_without_a_row_has_its_mean_on_the_account);
+    RUN_TEST(test_the_rule_does_not_cut_a_platoon_that_flows_through_its_green);
+    RUN_TEST(test_where_nobody_is_seen_to_drive_the_rule_sees_queues_alone);
+    RUN_TEST(test_the_mean_keeps_no_green);
     RUN_TEST(test_who_drives_is_queued_when_he_arrives);
     RUN_TEST(test_without_a_reach_who_comes_goes_a_second_later);
     RUN_TEST(test_what_is_left_costs_what_it_takes_to_clear_it);
