@@ -8,6 +8,7 @@ What the lamps showed is judged here a second time, from the log and the site's 
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import subprocess
@@ -22,7 +23,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("ELMOPP_CLOSED_LOOP", str(ROOT / "build" / "release" / "bin" / "elmopp-closed-loop"))
 RED, RED_AMBER, GREEN, AMBER, FLASH = "1", "2", "3", "4", "5"
-LANE_ERROR = 0.055  # four minutes of headlights, the worst: 13 wrong of 245, and two vehicles more
+LANE_ERROR = 0.055  # in the mean of streets and scenes; one run of 240 vehicles scatters by 0.015 around it
 START_UP_TICKS = 400  # more than these sites need
 
 
@@ -306,7 +307,7 @@ def test_all_cameras_count_in_every_scene(tmp_path: Path, scene: str) -> None:
     result, street = run(tmp_path / "out", site, 240, "--scene", scene, "--overlay", str(tmp_path / "seen.avi"))
     expect_safe(site, result, street)
     true = sum(lane["true"] for lane in result["lanes"])
-    assert result["lane_error"] <= LANE_ERROR + 2 / true
+    assert result["lane_error"] <= LANE_ERROR + 2 * math.sqrt(LANE_ERROR / true)
     assert (tmp_path / "seen.avi").stat().st_size > 1_000_000
 
 

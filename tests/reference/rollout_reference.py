@@ -341,9 +341,7 @@ class Rollout:
     def _pressure(self, stage: int, x: list[float], flow: list[float]) -> float:
         seen = [queue if queue >= LEFT else 0.0 for queue in x]
         return sum(
-            queue * min(self._flow(flow, j, queue), queue)
-            for j, queue in enumerate(seen)
-            if self.site.serves(stage, j)
+            queue * min(self._flow(flow, j, queue), queue) for j, queue in enumerate(seen) if self.site.serves(stage, j)
         )
 
     def base(self, g: int, e: int, ratio: float, x: list[float], soon: list[float], flow: list[float]) -> int:
