@@ -26,7 +26,7 @@ class Failure : public std::runtime_error {
 /// such.
 inline std::string said_by(const std::exception &error) {
     const std::string text = error.what();
-    const auto end = text.front() == '[' ? text.find("] ") : std::string::npos;
+    const auto end = text.rfind('[', 0) == 0 ? text.find("] ") : std::string::npos;
     return end == std::string::npos ? text : text.substr(end + 2);
 }
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 # Copyright 2026 The ELMOPP authors
 
-"""Run by SUMO's Python: what an oracle is told in each second of a real run, and who is counted in it.
+"""Run by SUMO's Python: what an oracle is told in each second of a real run, and who was counted in the recorded one.
 
 usage: sumo_oracle_probe.py NET ROUTES SECONDS; prints JSON {"told": [[row of each approach] a second, the start's
-first], "came": [[arrivals of each movement] a second]}, of the only signal.
+first], "came": [[arrivals of each movement] a second of the recorded run], "comes": the same of the one that is told},
+of the only signal.
 """
 
 import json
@@ -25,18 +26,21 @@ TIMES = Times(yellow_s=3, all_red_s=2, min_green_s=5, max_green_s=60, red_bound_
 def main(net: str, routes: str, seconds: int) -> None:
     told: list[Any] = []
     came: list[Any] = []
+    comes: list[Any] = []
     count = CoreJunction.count
 
     def noting(core: CoreJunction, present_veh: Any, arrived_veh: Any, *others: Any, **words: Any) -> None:
         if words["foreseen_veh"]:  # the run that is recorded has none
             told.append(words["foreseen_veh"])
+            comes.append(list(arrived_veh))
+        else:
             came.append(list(arrived_veh))
         count(core, present_veh, arrived_veh, *others, **words)
 
     setattr(CoreJunction, "count", noting)  # noqa: B010  a method is not assigned to
     scenario = scenario_of(None, Path(net), routes, None, float(seconds))
     sumo_run.run(sumo_run.Job(scenario, "rollout:oracle", 1, TIMES, 100.0, allow_partial=False, paths=None))
-    print(json.dumps({"told": told, "came": came[1:]}))
+    print(json.dumps({"told": told, "came": came[1:], "comes": comes[1:]}))
 
 
 if __name__ == "__main__":

@@ -142,14 +142,15 @@ def choose(browser: Browser, field: str, value: str) -> None:
 
 
 def saved(browser: Browser, folder: Path, name: str = "camera.lanes.json") -> str:
-    """What the button saves."""
+    """What the button saves. A browser keeps the name with an empty file until the whole one takes its place."""
     browser.keep_downloads(folder)
     browser.click("#save")
     until = time.monotonic() + 10
-    while not (folder / name).exists():
+    file = folder / name
+    while not file.exists() or file.stat().st_size == 0:
         assert time.monotonic() < until, says(browser)
         time.sleep(0.02)
-    return (folder / name).read_text(encoding="utf-8")
+    return file.read_text(encoding="utf-8")
 
 
 def accepted_by_draw_lanes(lanes: Path, frame: Path, out: Path) -> bool:

@@ -384,9 +384,12 @@ def test_an_oracle_is_told_who_comes(tmp_path: Path) -> None:
     words = [str(word) for word in (PYTHON, probe, net, routes, 300)]
     done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=60)
     found = json.loads(done.stdout.splitlines()[-1])
-    told, came = found["told"], found["came"]
-    assert (len(told), len(came)) == (301, 300)
+    told, came, comes = found["told"], found["came"], found["comes"]
+    assert (len(told), len(came), len(comes)) == (301, 300, 300)
     assert sum(map(sum, came)) > 20
+    pairs = [pair for now, then in zip(came, comes, strict=True) for pair in zip(now, then, strict=True)]
+    moved = sum(abs(one - two) for one, two in pairs) / 2
+    assert moved <= 0.25 * sum(map(sum, came)), "most come in the same second, whatever the signals show"
     for second, rows in enumerate(told):
         later = came[second : second + 150]
         nobody = [0.0] * (150 - len(later))
