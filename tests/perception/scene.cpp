@@ -36,6 +36,15 @@ cv::Rect blur_drawn(cv::Mat &layer, double sigma_px) {
 
 } // namespace
 
+void add_grain(cv::Mat &picture, cv::RNG &random, double grey_values) {
+    cv::Mat grain(picture.size(), CV_16SC3);
+    random.fill(grain, cv::RNG::NORMAL, 0, grey_values);
+    cv::Mat wide;
+    picture.convertTo(wide, CV_16S);
+    wide += grain;
+    wide.convertTo(picture, CV_8U);
+}
+
 Scene::Scene(cv::Size picture, int lanes, unsigned seed) : size_(picture), lanes_(lanes), random_(seed) {}
 
 double Scene::middle_m(int lane) const {
@@ -239,12 +248,7 @@ cv::Mat Scene::draw(std::vector<SceneCar> cars) {
         }
     }
     if (noise > 0) {
-        cv::Mat grain(size_, CV_16SC3);
-        random_.fill(grain, cv::RNG::NORMAL, 0, noise);
-        cv::Mat wide;
-        picture.convertTo(wide, CV_16S);
-        wide += grain;
-        wide.convertTo(picture, CV_8U);
+        add_grain(picture, random_, noise);
     }
     return picture;
 }

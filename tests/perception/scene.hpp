@@ -26,6 +26,9 @@ struct SceneCar {
     bool away = false;  ///< it drives away from the camera: its lamps are red
 };
 
+/// Noise of a sensor, of so many grey values, on a colour picture.
+void add_grain(cv::Mat &picture, cv::RNG &random, double grey_values);
+
 class Scene {
   public:
     Scene(cv::Size picture, int lanes, unsigned seed);

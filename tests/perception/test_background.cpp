@@ -5,6 +5,7 @@
 
 #include "background.hpp"
 #include "patch.hpp"
+#include "scene.hpp"
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -49,12 +50,7 @@ struct Film {
             cv::rectangle(road, cv::Rect(left_px, 46, 28, 30), cv::Scalar(110, 120, 230), cv::FILLED);
             cv::rectangle(road, cv::Rect(left_px + 4, 54, 20, 8), cv::Scalar::all(25), cv::FILLED);
         }
-        cv::Mat grain(picture, CV_16SC3);
-        random.fill(grain, cv::RNG::NORMAL, 0, noise);
-        cv::Mat wide;
-        road.convertTo(wide, CV_16S);
-        wide += grain;
-        wide.convertTo(road, CV_8U);
+        elmopp::add_grain(road, random, noise);
         return {patch.sample(road, {0, 0}), 0.0, cv::Mat(), 1.0};
     }
 
