@@ -229,9 +229,9 @@ Facts measure_facts(const ExperimentRequest &request) {
 
 /// Everything that an experiment may write.
 const std::vector<fs::path> &result_files() {
-    static const std::vector<fs::path> names{"trials.csv", "summary.json",    "pairs.csv",      "claims.json",
-                                             "beside.csv", "throughput.png",  "throughput.svg", "delay.png",
-                                             "delay.svg",  "longest_red.png", "longest_red.svg"};
+    static const std::vector<fs::path> names{"trials.csv",  "waits.csv",  "summary.json",    "pairs.csv",
+                                             "claims.json", "beside.csv", "throughput.png",  "throughput.svg",
+                                             "delay.png",   "delay.svg",  "longest_red.png", "longest_red.svg"};
     return names;
 }
 
@@ -246,6 +246,7 @@ void check_plot() {
 void write_results(const fs::path &folder, const std::vector<Row> &rows, const std::vector<Row> &beside,
                    const std::vector<Claim> &claims) {
     write_trials(folder / "trials.csv", rows);
+    write_waits(folder / "waits.csv", rows);
     write_summary(folder / "summary.json", rows);
     write_pairs(folder / "pairs.csv", rows);
     write_claims(folder / "claims.json", claims);

@@ -69,6 +69,21 @@ std::vector<std::string> profiles_of(const std::vector<Row> &rows) {
     return distinct<std::string>(rows, [](const Row &row) { return row.profile; });
 }
 
+/// The columns that say which trial a row is.
+constexpr const char *names_of_row = "profile,chooser,forecast,vehicles,trial,seed";
+
+void write_names(std::ofstream &out, const Row &row) {
+    out << row.profile << ',' << row.chooser << ',' << row.forecast << ',' << row.vehicles << ',' << row.trial << ','
+        << row.seed;
+}
+
+/// Throws Failure if not all has been written.
+void finish(std::ofstream &out, const std::filesystem::path &file) {
+    if (!out.flush()) {
+        throw Failure(file.string() + ": could not be written");
+    }
+}
+
 void write_pair(std::ofstream &out, const std::vector<Row> &rows, const std::string &profile, unsigned vehicles,
                 const Name &a, const Name &b) {
     for (const char *const metric_name : {"throughput_veh_per_s", "mean_delay_s", "longest_red_s"}) {
@@ -141,22 +156,35 @@ std::vector<double> pick_by_trial(const std::vector<Row> &rows, const Selection 
 
 void write_trials(const std::filesystem::path &file, const std::vector<Row> &rows) {
     std::ofstream out(file);
-    out << "profile,chooser,forecast,vehicles,trial,seed";
+    out << names_of_row;
     for (const auto &metric : all_metrics()) {
         out << ',' << metric.name;
     }
     out << '\n';
     for (const auto &row : rows) {
-        out << row.profile << ',' << row.chooser << ',' << row.forecast << ',' << row.vehicles << ',' << row.trial
-            << ',' << row.seed;
+        write_names(out, row);
         for (const auto &metric : all_metrics()) {
             out << ',' << format_number(row.metrics.*metric.value, digits);
         }
         out << '\n';
     }
-    if (!out.flush()) {
-        throw Failure(file.string() + ": could not be written");
+    finish(out, file);
+}
+
+void write_waits(const std::filesystem::path &file, const std::vector<Row> &rows) {
+    const auto has_vehicles = [](const Row &row) { return row.metrics.longest_wait_s.has_value(); };
+    if (std::none_of(rows.begin(), rows.end(), has_vehicles)) {
+        return;
     }
+    std::ofstream out(file);
+    out << names_of_row << ",longest_wait_s\n";
+    for (const auto &row : rows) {
+        if (row.metrics.longest_wait_s) {
+            write_names(out, row);
+            out << ',' << format_number(*row.metrics.longest_wait_s, digits) << '\n';
+        }
+    }
+    finish(out, file);
 }
 
 std::vector<Row> read_trials(const std::filesystem::path &file) {
@@ -200,9 +228,7 @@ void write_summary(const std::filesystem::path &file, const std::vector<Row> &ro
     }
     std::ofstream out(file);
     out << list.dump(1) << '\n';
-    if (!out.flush()) {
-        throw Failure(file.string() + ": could not be written");
-    }
+    finish(out, file);
 }
 
 void write_pairs(const std::filesystem::path &file, const std::vector<Row> &rows) {
@@ -221,9 +247,7 @@ void write_pairs(const std::filesystem::path &file, const std::vector<Row> &rows
             }
         }
     }
-    if (!out.flush()) {
-        throw Failure(file.string() + ": could not be written");
-    }
+    finish(out, file);
 }
 
 } // namespace elmopp

@@ -54,7 +54,10 @@ std::vector<double> pick_by_trial(const std::vector<Row> &rows, const Selection 
 /// Writes trials.csv as spec'd: the same rows give the same bytes.
 void write_trials(const std::filesystem::path &file, const std::vector<Row> &rows);
 
-/// Reads it back. Throws BadRequest naming what is missing or no number.
+/// Writes waits.csv, the longest wait of a vehicle in each trial that has single vehicles; no file if there is none.
+void write_waits(const std::filesystem::path &file, const std::vector<Row> &rows);
+
+/// Reads trials.csv back. Throws BadRequest naming what is missing or no number.
 std::vector<Row> read_trials(const std::filesystem::path &file);
 
 /// summary.json: mean, trial sd and n for each profile, chooser, forecast, vehicles and metric.

@@ -143,7 +143,7 @@ void run_network_experiment(const NetworkRequest &request) {
             }
         }
     }
-    const OutputFolder folder(request.out, {"trials.csv", "summary.json", "pairs.csv"});
+    const OutputFolder folder(request.out, {"trials.csv", "waits.csv", "summary.json", "pairs.csv"});
     std::vector<Row> rows(cells.size());
     const auto work = [&](std::size_t i) {
         const NetworkCell &cell = cells[i];
@@ -157,6 +157,7 @@ void run_network_experiment(const NetworkRequest &request) {
     };
     run_jobs(cells.size(), request.jobs, work, {});
     write_trials(folder.drafts() / "trials.csv", rows);
+    write_waits(folder.drafts() / "waits.csv", rows);
     write_summary(folder.drafts() / "summary.json", rows);
     write_pairs(folder.drafts() / "pairs.csv", rows);
     std::string names;

@@ -56,6 +56,9 @@ nlohmann::ordered_json summary_of(const Scenario &scenario, const ChooserSpec &c
           "figure_throughput_veh_per_s", "vehicles_in", "vehicles_out", "vehicles_queued", "vehicles_outside"}) {
         summary[name] = metrics.*find_metric(name).value;
     }
+    if (metrics.longest_wait_s) {
+        summary["longest_wait_s"] = *metrics.longest_wait_s;
+    }
     return summary;
 }
 

@@ -61,6 +61,7 @@ Metrics totals(const Streets &streets, std::size_t seconds, double out_squared) 
                                  seconds);
     metrics.vehicles_queued = static_cast<double>(streets.inside_veh());
     metrics.vehicles_outside = static_cast<double>(streets.outside_veh());
+    metrics.longest_wait_s = streets.longest_wait_s();
     return metrics;
 }
 

@@ -210,6 +210,7 @@ void Streets::cross_from(std::size_t junction, std::size_t movement, LaneQueue &
     lane.next_ds = (lane.next_ds > now - 1.0 ? lane.next_ds : now) + apart_ds;
     counts_[junction].left_veh_[movement] += 1.0;
     delay_veh_ds_ += static_cast<double>(now_ds_ - vehicle.due_ds);
+    longest_wait_ds_ = std::max(longest_wait_ds_, now_ds_ - vehicle.due_ds);
 }
 
 bool Streets::may_go(const Junction &junction, std::size_t movement, LaneQueue &lane, const Way &way) const {
@@ -425,6 +426,16 @@ double Streets::delay_veh_s() const {
         }
     });
     return delay_ds / ds_per_s;
+}
+
+double Streets::longest_wait_s() const {
+    std::int64_t longest_ds = longest_wait_ds_;
+    for_queues([&](const std::deque<Vehicle> &queue, bool /*inside*/) {
+        for (const auto &vehicle : queue) {
+            longest_ds = std::max(longest_ds, now_ds_ - vehicle.due_ds);
+        }
+    });
+    return static_cast<double>(longest_ds) / ds_per_s;
 }
 
 void Streets::check_conservation() const {

@@ -97,6 +97,8 @@ class Streets {
     [[nodiscard]] std::size_t outside_veh() const;
     /// Delay of all vehicles so far against driving at the limit, over all arms, outside included.
     [[nodiscard]] double delay_veh_s() const;
+    /// The largest delay of one vehicle on one arm so far, outside included.
+    [[nodiscard]] double longest_wait_s() const;
 
     /// Throws Failure if a vehicle has been lost or made.
     void check_conservation() const;
@@ -138,7 +140,8 @@ class Streets {
     std::int64_t now_ds_ = 0;
     std::size_t total_in_veh_ = 0;
     std::size_t total_out_veh_ = 0;
-    double delay_veh_ds_ = 0.0; ///< of those who have left their arm
+    double delay_veh_ds_ = 0.0;        ///< of those who have left their arm
+    std::int64_t longest_wait_ds_ = 0; ///< likewise
 };
 
 } // namespace elmopp

@@ -19,6 +19,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -99,6 +100,8 @@ struct Metrics {
     double vehicles_out = 0.0;
     double vehicles_queued = 0.0;
     double vehicles_outside = 0.0;
+    /// Single vehicles only: the most that one has lost on an arm against driving at the limit, outside included.
+    std::optional<double> longest_wait_s;
 };
 
 /// What both kinds of traffic sum up over a run.

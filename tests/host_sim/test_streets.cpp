@@ -122,9 +122,11 @@ void test_delay_is_against_driving_at_the_limit() {
     world.come(0, 1, 50, 10);
     world.run(250, 0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 10.0, world.streets->delay_veh_s()); // due at 150
+    TEST_ASSERT_EQUAL_DOUBLE(10.0, world.streets->longest_wait_s());
     world.run(100, 1);
     TEST_ASSERT_EQUAL_INT64(250 + 20 + 20, world.crossed_ds.front());
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 14.0, world.streets->delay_veh_s());
+    TEST_ASSERT_EQUAL_DOUBLE(14.0, world.streets->longest_wait_s()); // he has left, and is remembered
 }
 
 void test_only_who_is_within_the_reach_is_counted() {
@@ -152,6 +154,7 @@ void test_a_full_arm_keeps_vehicles_outside_and_their_waiting_counts() {
     TEST_ASSERT_EQUAL_size_t(78, world.streets->inside_veh());
     TEST_ASSERT_EQUAL_size_t(22, world.streets->outside_veh());
     TEST_ASSERT_EQUAL_DOUBLE(22.0, world.streets->counts(0).outside_veh()[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(300.0 - 10.0, world.streets->longest_wait_s()); // the first has come in second 0
     const double before_s = world.streets->delay_veh_s();
     world.run(10, 0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, before_s + 100.0, world.streets->delay_veh_s());

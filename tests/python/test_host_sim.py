@@ -1042,6 +1042,23 @@ def test_no_vehicle_is_lost(small: Path) -> None:
         assert number["served_share"] == pytest.approx(number["vehicles_out"] / number["vehicles_in"], rel=1e-9)
 
 
+def test_who_waited_longest_is_told_where_single_vehicles_drive(tmp_path: Path) -> None:
+    asked = "--vehicles 150 --trials 2 --choosers pressure --no-figures --out"
+    succeed("experiment", "--profile", "saturation,discrete", *asked.split(), str(tmp_path / "both"))
+    waits = rows_of(tmp_path / "both" / "waits.csv")
+    trials = [row for row in rows_of(tmp_path / "both" / "trials.csv") if row["profile"] == "discrete"]
+    assert [list(row.values())[:6] for row in waits] == [list(row.values())[:6] for row in trials]
+    assert list(waits[0])[6:] == ["longest_wait_s"]
+    for wait, trial in zip(waits, trials, strict=True):
+        assert float(trial["mean_delay_s"]) < float(wait["longest_wait_s"]) < 2000.0
+    summary = tmp_path / "run.json"
+    run = "--profile discrete --chooser pressure --vehicles 150 --trial 1 --summary"
+    succeed("run", *run.split(), str(summary))
+    assert json.loads(summary.read_text())["longest_wait_s"] == float(waits[1]["longest_wait_s"])
+    succeed("experiment", "--profile", "saturation", *asked.split(), str(tmp_path / "fluid"))
+    assert not (tmp_path / "fluid" / "waits.csv").exists()
+
+
 @pytest.mark.parametrize("forecast", ["ar8", "lstm", "ann", "gcn"])
 def test_trials_are_the_same_as_single_runs(small: Path, forecast: str) -> None:
     """A network runs inside a single run, and once for all choosers and vehicles in an experiment."""

@@ -10,7 +10,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from elmopp_tools.plot_data import COLUMNS, METRIC_COLUMNS
+from elmopp_tools.plot_data import COLUMNS, METRIC_COLUMNS, WAIT_COLUMN
 from elmopp_tools.report import main
 from elmopp_tools.sumo_compare import compare
 from elmopp_tools.sumo_report import COLUMNS as RUN_COLUMNS
@@ -175,6 +175,26 @@ def test_means_have_intervals_and_the_best_is_marked(experiment: Path, tmp_path:
     page = page_of(tmp_path / "page.html", "--experiment", experiment)
     assert page.row("Mean delay", "cumulative") == ["cumulative", "12.0 ± 5.0"]
     assert page.best == ["11.0 ± 4.5"]  # 9, 11.5, 12.5
+
+
+def test_longest_wait_is_shown_where_single_vehicles_drive(experiment: Path, tmp_path: Path) -> None:
+    names = {"profile": "saturation", "chooser": "cumulative", "forecast": "none", "vehicles": 300, "seed": 1}
+    rows: list[dict[str, object]] = [{**names, "trial": trial, WAIT_COLUMN: 90 - trial} for trial in (0, 1)]
+    write_csv(experiment / "waits.csv", [*names, "trial", WAIT_COLUMN], rows)
+    page = page_of(tmp_path / "page.html", "--experiment", experiment)
+    assert page.row("Over all", "chooser")[:3] == ["chooser", "longest wait, s", "longest red, s"]
+    assert page.row("Over all", "cumulative")[:2] == ["cumulative", "90"]
+    assert page.row("Over all", "cumulative:ewma")[:2] == ["cumulative:ewma", "\N{EN DASH}"]
+
+
+def test_a_wait_that_is_no_number(experiment: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names = "profile,chooser,forecast,vehicles,trial,seed"
+    (experiment / "waits.csv").write_text(f"{names},longest_wait_s\nsaturation,cumulative,none,300,0,1,long\n")
+    said = refused(capsys, tmp_path / "page.html", "--experiment", experiment)
+    assert 'waits.csv:2, column longest_wait_s: "long"; right would be a number' in said
+    (experiment / "waits.csv").write_text(f"{names}\n")
+    said = refused(capsys, tmp_path / "page.html", "--experiment", experiment)
+    assert f"waits.csv:1: no column longest_wait_s; right would be {names},longest_wait_s" in said
 
 
 def test_forecast_is_paired_by_trial(experiment: Path, tmp_path: Path) -> None:

@@ -28,6 +28,7 @@ METRIC_COLUMNS = (
     "vehicles_outside",
 )
 COLUMNS = TEXT_COLUMNS + COUNT_COLUMNS + METRIC_COLUMNS
+WAIT_COLUMN = "longest_wait_s"  # of waits.csv, where there are single vehicles
 
 COUNT_PATTERN = re.compile(r"[0-9]{1,20}")
 NUMBER_PATTERN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -49,7 +50,7 @@ class Row:
     vehicles: int
     trial: int
     seed: int
-    metrics: dict[str, float]
+    metrics: dict[str, float]  # METRIC_COLUMNS, and WAIT_COLUMN where single vehicles drive
     beside: bool = False  # from beside.csv
 
     @property
@@ -78,13 +79,23 @@ class Point:
 
 
 def read_results(folder: Path) -> list[Row]:
-    """The rows of trials.csv and, if it is there, of beside.csv; a trial that is in both counts once."""
+    """The rows of trials.csv, with what waits.csv says of them, and of beside.csv, if these are there.
+
+    A trial that is in both tables counts once.
+    """
     trials = folder / "trials.csv"
     if not trials.exists():
         raise PlotError(f"{trials}: no such file; right would be the folder that host_sim experiment wrote")
     rows = _read(trials)
     if not rows:
         raise PlotError(f"{trials}:2: no rows; right would be one row a trial below the header")
+    waits = folder / "waits.csv"
+    if waits.exists():
+        longest_s = {row.key: row.metrics[WAIT_COLUMN] for row in _read(waits, (WAIT_COLUMN,))}
+        rows = [
+            replace(row, metrics={**row.metrics, WAIT_COLUMN: longest_s[row.key]}) if row.key in longest_s else row
+            for row in rows
+        ]
     beside = folder / "beside.csv"
     if beside.exists():
         rows += [replace(row, beside=True) for row in _read(beside)]
@@ -112,24 +123,25 @@ def _point(vehicles: int, values: list[float]) -> Point:
     return Point(vehicles, math.fsum(values) / len(values), half_width(values), len(values))
 
 
-def _read(path: Path) -> list[Row]:
+def _read(path: Path, metrics: tuple[str, ...] = METRIC_COLUMNS) -> list[Row]:
     try:
         with path.open(encoding="utf-8-sig", newline="") as stream:
-            return [_row(path, line, cells) for line, cells in _records(path, stream)]
+            return [_row(path, line, cells, metrics) for line, cells in _records(path, stream, metrics)]
     except UnicodeDecodeError:
         raise PlotError(f"{path}: is no UTF-8 text; right would be a CSV file with a header line") from None
     except OSError as error:
         raise PlotError(f"{path}: {error.strerror}; right would be a file that can be read") from None
 
 
-def _records(path: Path, stream: Iterable[str]) -> Iterator[tuple[int, dict[str, str]]]:
+def _records(path: Path, stream: Iterable[str], metrics: tuple[str, ...]) -> Iterator[tuple[int, dict[str, str]]]:
     """The lines below the header, each with its number and its cells by column."""
+    columns = TEXT_COLUMNS + COUNT_COLUMNS + metrics
     reader = csv.reader(stream, strict=True)
     try:
         header = next(reader, [])
-        for column in COLUMNS:
+        for column in columns:
             if column not in header:
-                raise PlotError(f"{path}:1: no column {column}; right would be {','.join(COLUMNS)}")
+                raise PlotError(f"{path}:1: no column {column}; right would be {','.join(columns)}")
         for cells in reader:
             if len(cells) != len(header):
                 wrong = f"{path}:{reader.line_num}: {len(cells)} values"
@@ -139,7 +151,7 @@ def _records(path: Path, stream: Iterable[str]) -> Iterator[tuple[int, dict[str,
         raise PlotError(f"{path}:{reader.line_num}: {error}; right would be a line of CSV") from None
 
 
-def _row(path: Path, line: int, cells: dict[str, str]) -> Row:
+def _row(path: Path, line: int, cells: dict[str, str], metrics: tuple[str, ...]) -> Row:
     for column in TEXT_COLUMNS:
         if not cells[column].isprintable() or not cells[column]:
             raise _wrong_cell(path, line, column, cells[column], "a name")
@@ -148,7 +160,7 @@ def _row(path: Path, line: int, cells: dict[str, str]) -> Row:
             raise _wrong_cell(path, line, column, cells[column], "a whole number")
     if int(cells["vehicles"]) > NUMBER_MAX:
         raise _wrong_cell(path, line, "vehicles", cells["vehicles"], f"at most {NUMBER_MAX:g}")
-    for column in METRIC_COLUMNS:
+    for column in metrics:
         text = cells[column]
         if not NUMBER_PATTERN.fullmatch(text) or abs(float(text)) > NUMBER_MAX:
             raise _wrong_cell(path, line, column, text, f"a number of at most {NUMBER_MAX:g}")
@@ -159,7 +171,7 @@ def _row(path: Path, line: int, cells: dict[str, str]) -> Row:
         vehicles=int(cells["vehicles"]),
         trial=int(cells["trial"]),
         seed=int(cells["seed"]),
-        metrics={column: float(cells[column]) for column in METRIC_COLUMNS},
+        metrics={column: float(cells[column]) for column in metrics},
     )
 
 

@@ -14,9 +14,10 @@ from elmopp_tools.report_data import ReportError, read_comparison, read_log, rea
 DESCRIPTION = """\
 Makes one self-contained HTML page (no script, no file beside it, nothing from a network) from
 
-  --experiment DIR  trials.csv, and beside.csv if it is there, of `host_sim experiment`: mean delay by number of
-                    vehicles as curves and as tables with 95 % intervals, longest red, switches, and what each
-                    forecast of a chooser is worth, paired by trial, and in words whether lstm beats none, ewma and ar8
+  --experiment DIR  trials.csv, and waits.csv and beside.csv if they are there, of `host_sim experiment`: mean delay by
+                    number of vehicles as curves and as tables with 95 % intervals, longest red, the longest wait of a
+                    vehicle where single ones drive, switches, and what each forecast of a chooser is worth, paired by
+                    trial, and in words whether lstm beats none, ewma and ar8
   --sumo DIR        what tools/sumo-compare has written: standings, the best rival of each scenario, ours against
                     him paired by seed, longest red and longest wait, and what each forecast is worth, as there
   --run FILE        a decision log (`host_sim run --log FILE`): queues, lamps, and forecast beside what came

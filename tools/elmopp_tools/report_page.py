@@ -11,7 +11,7 @@ from html import escape
 
 from elmopp_tools import report_draw
 from elmopp_tools.paired import Pair, paired
-from elmopp_tools.plot_data import Row, points_of
+from elmopp_tools.plot_data import WAIT_COLUMN, Row, points_of
 from elmopp_tools.plot_draw import draw_figure
 from elmopp_tools.plot_figures import Kind, make_figure
 from elmopp_tools.report_data import Comparison, Log, Table, Way
@@ -118,16 +118,19 @@ def _extremes(rows: Sequence[Row]) -> str:
     lines = []
     for name in dict.fromkeys(row.name for row in rows):
         metrics = [row.metrics for row in rows if row.name == name]
+        waits = [m[WAIT_COLUMN] for m in metrics if WAIT_COLUMN in m]
         lines.append(
             [
                 name,
+                f"{max(waits):.0f}" if waits else NOTHING,
                 f"{max(m['longest_red_s'] for m in metrics):.0f}",
                 f"{statistics.fmean(m['switches'] for m in metrics):.0f}",
                 f"{statistics.fmean(m['served_share'] for m in metrics):.3f}",
                 f"{max(m['vehicles_outside'] for m in metrics):.0f}",
             ]
         )
-    head = ["chooser", "longest red, s", "switches, mean", "served share, mean", "left outside, at most"]
+    head = ["chooser", "longest wait, s", "longest red, s"]
+    head += ["switches, mean", "served share, mean", "left outside, at most"]
     return _table("Over all numbers of vehicles and trials", head, lines)
 
 
