@@ -53,11 +53,11 @@ function(elmopp_add_host_sim_python_test)
     set_tests_properties(${arg_NAME} PROPERTIES ENVIRONMENT "ELMOPP_HOST_SIM=$<TARGET_FILE:host_sim>")
 endfunction()
 
-elmopp_add_host_sim_python_test(NAME test_reference LABELS golden sim TIMEOUT 600)
 set(labels sim)
 if(NOT depends_on_no_build) # under sanitizers, two minutes of a processor; the rooms' own tests are there by day
     list(APPEND labels nightly)
 endif()
+elmopp_add_host_sim_python_test(NAME test_reference LABELS golden ${labels} TIMEOUT 600)
 elmopp_add_host_sim_python_test(NAME test_host_sim LABELS ${labels} TIMEOUT 900)
 set_tests_properties(test_host_sim PROPERTIES COST 90) # the longest first, so that none is left alone at the end
 if(CMAKE_BUILD_TYPE STREQUAL "Release")

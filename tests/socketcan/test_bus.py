@@ -446,6 +446,7 @@ def send(name: str, *words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60, cwd=ROOT)
 
 
+@pytest.mark.night
 def test_weights_that_were_sent_are_kept_and_a_site_is_not_taken_from_the_bus_alone(replacement: Replacement) -> None:
     assert replacement.sender.ends(seconds=400.0) == 0, replacement.sender.text()
     assert "weights: on trial, " in replacement.sender.text()
