@@ -19,6 +19,12 @@ def test_a_site_that_never_drives_lamps(program: str) -> None:
 
 
 @pytest.mark.parametrize("program", BOTH)
+def test_a_misspelt_option_is_named_before_the_one_that_is_missing(program: str) -> None:
+    assert "--sit" in refused(program, "--can", "vcan77", "--sit", SITE)
+    assert "--site is required" in refused(program, "--can", "vcan77")
+
+
+@pytest.mark.parametrize("program", BOTH)
 def test_a_site_that_is_not_there(program: str) -> None:
     assert "cannot be read" in refused(program, "--can", "vcan77", "--site", "none.bin")
 

@@ -182,7 +182,7 @@ def junction_of(signal: Signal, times: Times, reach_m: float) -> Junction:
         junction = build_junction(document)
         check_junction(junction)
     except SiteError as error:
-        raise SignalError(f"signal {signal.name} is no junction: {error}") from None
+        raise SignalError(f"signal {signal.name} cannot be made a junction: {error}") from None
     return junction
 
 

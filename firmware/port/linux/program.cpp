@@ -42,7 +42,13 @@ int run_program(const std::string &program, int argc, char **argv, const std::fu
         } catch (const CLI::Success &success) {
             return app.exit(success);
         } catch (const CLI::ParseError &error) {
-            throw BadRequest(std::string(error.what()) + " (" + program + " --help)");
+            // CLI11 asks for what is missing before it says what it does not know, which may be that one misspelt.
+            std::string unknown;
+            for (const auto &word : app.remaining()) {
+                unknown += " " + word;
+            }
+            throw BadRequest((unknown.empty() ? error.what() : "not expected:" + unknown) + " (" + program +
+                             " --help)");
         }
         body();
         return 0;
