@@ -33,12 +33,15 @@ bool is_switch(const std::string &option) {
     return std::find(switches.begin(), switches.end(), option) != switches.end();
 }
 
+bool may_be_unlimited(const std::string &option) {
+    return option == "ready" || option == "red" || option == "patience";
+}
+
 std::string right_value(const std::string &name, const std::string &listed) {
     const bool by_skill = listed == "weight=by-skill";
-    return is_switch(name)
-               ? "no value"
-               : std::string("a number above 0") + (by_skill || name == "caution" ? ", at most 1" : "") +
-                     (by_skill ? ", or by-skill" : "") + (name == "ready" || name == "red" ? ", or unlimited" : "");
+    return is_switch(name) ? "no value"
+                           : std::string("a number above 0") + (by_skill || name == "caution" ? ", at most 1" : "") +
+                                 (by_skill ? ", or by-skill" : "") + (may_be_unlimited(name) ? ", or unlimited" : "");
 }
 
 void check_option(const ChooserKind &kind, const std::string &name, const std::string &value) {
@@ -50,7 +53,7 @@ void check_option(const ChooserKind &kind, const std::string &name, const std::s
     }
     double number = 0.0;
     const bool good = is_switch(name)        ? value.empty()
-                      : value == "unlimited" ? name == "ready" || name == "red"
+                      : value == "unlimited" ? may_be_unlimited(name)
                       : value == "by-skill"  ? *listed == "weight=by-skill"
                                              : parse_number(value, number) && number > 0.0;
     if (!good) {
@@ -106,7 +109,7 @@ const std::vector<ChooserKind> &chooser_kinds() {
          false,
          true,
          {"min=5", "max=60", "horizon=120", "weight=by-skill", "red=120", "rows=30", "others=4", "caution=0.5",
-          "one-rule", "no-gaps", "no-look"}},
+          "patience=40", "one-rule", "no-gaps", "no-look"}},
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},
         {"fixed", "fixed times in a covering cycle", true, false, {"green=20"}},

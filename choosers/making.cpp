@@ -171,6 +171,10 @@ elmopp_rollout_options_t rollout_options_of(const ChooserSpec &spec, const Setti
     coming.weigh_skill = weight == spec.options.end() || weight->second == "by-skill";
     coming.row_weight = coming.weigh_skill ? coming.row_weight : share_or(spec, "weight", coming.row_weight);
     options.red_s = bound_or(spec, "red", options.red_s);
+    // Who bounds no red is fair to nobody, unless he says so.
+    const bool hurries_nobody = options.red_s == 0 && !has(spec, "patience");
+    options.patience_s = hurries_nobody ? std::uint16_t{0} : bound_or(spec, "patience", options.patience_s);
+    options.patience_veh_s = options.patience_s > 0 ? options.patience_veh_s : 0.0F;
     options.caution = share_or(spec, "caution", options.caution);
     options.others_max = static_cast<std::uint8_t>(
         whole_or(spec, "others", options.others_max, 1, ELMOPP_STAGE_MAX, "whole number of stages"));

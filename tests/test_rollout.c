@@ -81,7 +81,10 @@ static void test_the_defaults_are_those_that_were_measured(void) {
     TEST_ASSERT_TRUE(measured.coming.weigh_skill);
     TEST_ASSERT_EQUAL_UINT16(30U, measured.coming.rows_s);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.coming.row_weight);
+    TEST_ASSERT_EQUAL_UINT16(60U, measured.coming.fade_s);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.coming.mean_weight);
+    TEST_ASSERT_EQUAL_UINT16(40U, measured.patience_s);
+    TEST_ASSERT_EQUAL_FLOAT(60.0F, measured.patience_veh_s);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, measured.future.yellow_used_s);
     TEST_ASSERT_EQUAL_FLOAT(1.5F, measured.future.stop_s);
     TEST_ASSERT_TRUE(measured.future.look);
@@ -264,17 +267,19 @@ static void test_rows_are_taken_at_a_fixed_weight(void) {
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.4F * 55.0F) + 36.0F), seen.score[0]);
 }
 
-/* 0.24 a second came, half of it is expected; rows of 0.4 with a skill of 3/4: 0.12 + 0.75 * 0.28 = 0.33. */
+/* 0.24 a second came, half of it is expected; rows of 0.4 with a skill of 3/4, of which row k has 1 - k / 60:
+   0.12 + 0.75 * 0.28 = 0.33 in the first second, 0.3265, 0.323, ... The second queue is 2.33, 2.6565,
+   ... 5.1425, 37.5725 in all. */
 static void test_rows_correct_the_mean_by_their_skill(void) {
     look_ten_seconds_ahead();
     rollout.coming.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.25F, .mean = 1.0F};
     seen.arrivals_veh[1] = 0.24F;
     ask_with_rows();
-    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, -(20.0F + (0.33F * 55.0F) + (5.3F * 5.3F)), seen.score[0]);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-3F, -(37.5725F + (5.1425F * 5.1425F)), seen.score[0]);
 }
 
-/* Half the mean is 0.5, rows say 2.0 for a minute, which is believed near by half and far by nothing: 1.25 and 0.5 a
-   second. The tables of the model tell who is expected. */
+/* Half the mean is 0.5, rows say 2.0 for a minute, which is believed near by half, less what row 19 has faded of 60,
+   and far by nothing. The tables of the model tell who is expected. */
 static void test_each_row_has_the_skill_of_the_nearer_account(void) {
     start();
     rollout.coming.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.5F, .mean = 1.0F};
@@ -285,7 +290,7 @@ static void test_each_row_has_the_skill_of_the_nearer_account(void) {
     (void)ask_in(0U, 50U);
     const float near_veh = rollout.coming.arrived_veh[1][20] - rollout.coming.arrived_veh[1][19];
     const float far_veh = rollout.coming.arrived_veh[1][21] - rollout.coming.arrived_veh[1][20];
-    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 1.25F, near_veh);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F + (0.5F * (41.0F / 60.0F) * 1.5F), near_veh);
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F, far_veh);
 }
 
@@ -341,6 +346,22 @@ static void test_rows_are_read_as_far_as_asked(void) {
     TEST_ASSERT_EQUAL_UINT16(3U, chooser.horizon_s);
     ask_with_rows();
     TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, -(20.0F + (0.2F * 27.0F) + (2.6F * 2.6F)), seen.score[0]);
+}
+
+/* Half the mean is 0.5, and rows of 2.0 that have come true are not believed from 60 s on. */
+static void test_rows_have_faded_after_a_minute(void) {
+    options.coming.rows_s = 100U;
+    start();
+    rollout.coming.near.error = (elmopp_account_error_t){.compared_s = 60U, .forecast = 0.0F, .mean = 1.0F};
+    rollout.coming.far.error = rollout.coming.near.error;
+    foresee(2.0F, 100U);
+    seen.arrivals_veh[1] = 1.0F;
+    set_queues(0.0F, 1.0F, 0.0F);
+    (void)ask_in(0U, 50U);
+    const float *arrived_veh = rollout.coming.arrived_veh[1];
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F + (1.5F * 30.0F / 60.0F), arrived_veh[31] - arrived_veh[30]);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F, arrived_veh[61] - arrived_veh[60]);
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-4F, 0.5F, arrived_veh[91] - arrived_veh[90]);
 }
 
 static void test_a_fixed_weight_is_not_earned(void) {
@@ -561,6 +582,70 @@ static void test_who_has_waited_too_long_gets_the_next_change(void) {
     TEST_ASSERT_EQUAL_UINT8(1U, ask_with_one_waiting(200U));
 }
 
+/* What the stage of the last movement is worth more because one vehicle of it has waited so long. */
+static float urge_after(uint32_t waited_s) {
+    float score[2];
+    for (uint32_t urges = 0U; urges < 2U; urges++) {
+        options = elmopp_rollout_defaults(0U);
+        options.patience_veh_s = (urges > 0U) ? options.patience_veh_s : 0.0F;
+        start_with_stages(3U);
+        set_queues(9.0F, 0.0F, 1.0F);
+        for (uint32_t t = 0U; t < waited_s; t++) {
+            (void)ask_in(0U, 50U);
+        }
+        score[urges] = seen.score[2];
+    }
+    return score[1] - score[0];
+}
+
+/* o (1 + o / 60) of o = 0, 1, 15 and 30 s beyond 40, at most 60. */
+static void test_who_has_waited_long_makes_his_stage_worth_more(void) {
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, urge_after(40U));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-2F, 61.0F / 60.0F, urge_after(41U));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-2F, 18.75F, urge_after(55U));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-2F, 45.0F, urge_after(70U));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-2F, 60.0F, urge_after(90U));
+    TEST_ASSERT_FLOAT_WITHIN(1.0e-2F, 60.0F, urge_after(110U));
+}
+
+/* For so many of 119 seconds the green of a queue that does not end is kept, while one vehicle waits elsewhere. */
+static uint32_t kept_s(float urge_veh_s) {
+    options = elmopp_rollout_defaults(0U);
+    options.patience_veh_s = urge_veh_s;
+    start_with_stages(2U);
+    set_queues(1.0F, 1.0F, 0.0F);
+    uint32_t kept = 0U;
+    for (uint32_t t = 0U; t < 119U; t++) {
+        seen.arrivals_veh[0] = 0.1F;
+        kept += (ask_in(0U, 50U) == 0U) ? 1U : 0U;
+    }
+    return kept;
+}
+
+static void test_who_has_waited_long_ends_a_green_that_serves_a_few(void) {
+    TEST_ASSERT_EQUAL_UINT32(119U, kept_s(0.0F));
+    TEST_ASSERT_UINT32_WITHIN(5U, 52U, kept_s(60.0F));
+}
+
+/* A vehicle that has stood long where it has green, blocked, calls for no other stage that shows it green. */
+static void test_who_is_blocked_on_green_urges_nobody(void) {
+    float score[2];
+    for (uint32_t urges = 0U; urges < 2U; urges++) {
+        start_with_stages(3U);
+        junction.stage_groups[2] = (uint16_t)(junction.stage_groups[0] | junction.stage_groups[2]);
+        options.patience_veh_s = (urges > 0U) ? 60.0F : 0.0F;
+        start();
+        set_queues(2.0F, 1.0F, 0.0F);
+        for (uint32_t t = 0U; t < 80U; t++) {
+            (void)ask_in(0U, 50U);
+        }
+        TEST_ASSERT_TRUE(rollout.sight.red_s[0] > 60U);
+        score[urges] = seen.score[2];
+    }
+    TEST_ASSERT_TRUE(score[0] < 0.0F);
+    TEST_ASSERT_EQUAL_FLOAT(score[0], score[1]);
+}
+
 /* The queue that goes is so long that it is worth its green up to the maximum. */
 static void test_who_has_waited_too_long_cuts_no_green_before_its_maximum(void) {
     options.red_s = 20U;
@@ -619,8 +704,8 @@ static void ask_wildly(uint64_t seed, uint32_t decisions) {
         see_anything(&random);
         (void)test_view_ask(&seen, &chooser); /* fails if there is no such stage */
         for (uint32_t s = 0U; s < ELMOPP_STAGE_MAX; s++) {
-            if (!isfinite(seen.score[s]) || (seen.score[s] > 0.0F)) {
-                TEST_FAIL_MESSAGE("a score is not finite, or no cost");
+            if (!isfinite(seen.score[s]) || (seen.score[s] > options.patience_veh_s)) {
+                TEST_FAIL_MESSAGE("a score is not finite, or worth more than patience");
             }
         }
     }
@@ -692,8 +777,8 @@ static void test_a_hold_that_is_not_played_would_have_cost_the_same(void) {
 
 static void test_options_that_make_no_sense_are_a_bug(void) {
     const elmopp_rollout_options_t good = elmopp_rollout_defaults(8U);
-    elmopp_rollout_options_t bad[17];
-    for (uint32_t i = 0U; i < 17U; i++) {
+    elmopp_rollout_options_t bad[19];
+    for (uint32_t i = 0U; i < 19U; i++) {
         bad[i] = good;
     }
     bad[0].future.min_s = 0U;
@@ -713,7 +798,9 @@ static void test_options_that_make_no_sense_are_a_bug(void) {
     bad[14].caution = 1.1F;
     bad[15].future.blocked_share = 1.1F;
     bad[16].future.stop_s = -0.1F;
-    for (uint32_t i = 0U; i < 17U; i++) {
+    bad[17].patience_veh_s = -0.1F;
+    bad[18].coming.fade_s = 0U;
+    for (uint32_t i = 0U; i < 19U; i++) {
         TEST_EXPECT_ASSERT((void)elmopp_rollout_init(&rollout, &bad[i]));
     }
 }
@@ -831,6 +918,7 @@ int main(void) {
     RUN_TEST(test_rows_that_are_no_better_than_the_mean_count_for_nothing);
     RUN_TEST(test_skill_is_known_after_a_minute_of_comparing);
     RUN_TEST(test_rows_are_read_as_far_as_asked);
+    RUN_TEST(test_rows_have_faded_after_a_minute);
     RUN_TEST(test_a_fixed_weight_is_not_earned);
     RUN_TEST(test_a_row_that_is_no_number_is_nobody);
     RUN_TEST(test_without_rows_the_mean_of_the_arrivals_counts_half);
@@ -847,6 +935,9 @@ int main(void) {
     RUN_TEST(test_at_max_it_leaves_if_somebody_asks);
     RUN_TEST(test_among_equals_the_lowest_index_wins);
     RUN_TEST(test_who_has_waited_too_long_gets_the_next_change);
+    RUN_TEST(test_who_has_waited_long_makes_his_stage_worth_more);
+    RUN_TEST(test_who_has_waited_long_ends_a_green_that_serves_a_few);
+    RUN_TEST(test_who_is_blocked_on_green_urges_nobody);
     RUN_TEST(test_who_has_waited_too_long_cuts_no_green_before_its_maximum);
     RUN_TEST(test_of_two_who_are_overdue_the_one_who_waits_longer_is_first);
     RUN_TEST(test_who_is_overdue_and_blocked_does_not_hold_his_green);

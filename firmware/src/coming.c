@@ -15,6 +15,7 @@ static bool is_share(float value) {
 }
 
 void elmopp_coming_init(elmopp_coming_t *self, const elmopp_coming_options_t *options) {
+    ELMOPP_ASSERT(options->fade_s >= 1U);
     ELMOPP_ASSERT((options->horizon_s >= 1U) && (options->horizon_s <= ELMOPP_HORIZON_MAX));
     ELMOPP_ASSERT(is_share(options->row_weight) && is_share(options->mean_weight));
     *self = (elmopp_coming_t){.options = *options};
@@ -91,9 +92,12 @@ static float foreseen(const elmopp_coming_t *self, const elmopp_view_t *view, ui
         return expected_veh;
     }
     const float said = view->share[movement] * said_veh(view, approach, row);
-    const float base_veh = self->options.weigh_skill ? expected_veh : 0.0F;
-    const float weight = (row < NEAR_ROWS) ? self->near_weight : self->far_weight;
-    return base_veh + (weight * (said - base_veh));
+    if (!self->options.weigh_skill) {
+        return self->options.row_weight * said;
+    }
+    const float skill = (row < NEAR_ROWS) ? self->near_weight : self->far_weight;
+    const float fade = elmopp_greater(1.0F - ((float)row / (float)self->options.fade_s), 0.0F);
+    return expected_veh + (skill * fade * (said - expected_veh));
 }
 
 /* Who is hidden behind a full reach and comes in a second in which so many come anyway. */

@@ -14,11 +14,14 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
         .coming = {.horizon_s = 120U,
                    .rows_s = ELMOPP_ACCOUNT_PROBE_S,
                    .weigh_skill = true,
+                   .fade_s = 60U,
                    .row_weight = 0.5F,
                    .mean_weight = 0.5F},
         .future =
             {.min_s = 5U, .max_s = 60U, .blocked_share = 0.5F, .yellow_used_s = 0.5F, .look = true, .stop_s = 1.5F},
         .red_s = 120U,
+        .patience_s = 40U,
+        .patience_veh_s = 60.0F,
         .others_max = 4U,
         .hold_count = 5U,
         .rule_count = 3U,
@@ -168,6 +171,21 @@ static elmopp_stage_t next_other(const elmopp_rollout_t *self, elmopp_stage_t sh
     return next;
 }
 
+/* What a stage is worth beside its costs because of who has waited longest for it and is not served now. */
+static float urge_of(const elmopp_rollout_t *self, elmopp_stage_t shown, elmopp_stage_t stage) {
+    uint32_t longest_s = self->options.patience_s;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const bool waits = (self->sight.present_veh[j] > 0.0F) && (!elmopp_sight_is_served(&self->sight, shown, j));
+        if (waits && elmopp_sight_is_served(&self->sight, stage, j) && (self->sight.red_s[j] > longest_s)) {
+            longest_s = self->sight.red_s[j];
+        }
+    }
+    const uint32_t beyond_s = longest_s - self->options.patience_s;
+    const float beyond = (float)beyond_s;
+    const float most = self->options.patience_veh_s;
+    return (most > 0.0F) ? elmopp_lesser(beyond * (1.0F + (beyond / most)), most) : 0.0F;
+}
+
 /* The stage with the best prospects. `kept` is null where the stage shown cannot be kept. */
 static elmopp_stage_t best_of_others(elmopp_rollout_t *self, elmopp_stage_t shown, const costs_t *kept,
                                      float score[ELMOPP_STAGE_MAX]) {
@@ -178,7 +196,7 @@ static elmopp_stage_t best_of_others(elmopp_rollout_t *self, elmopp_stage_t show
         costs_t changed;
         change(self, other, &changed);
         const float doubt = (kept != NULL) ? doubt_of(self, kept, &changed) : 0.0F;
-        score[other] = -(mean_of(self, &changed) + doubt);
+        score[other] = urge_of(self, shown, other) - (mean_of(self, &changed) + doubt);
         best = ((best == ELMOPP_STAGE_NONE) || (score[other] > score[best])) ? other : best;
         tried |= (uint32_t)1U << other;
         other = next_other(self, shown, tried);
@@ -257,6 +275,7 @@ elmopp_chooser_t elmopp_rollout_init(elmopp_rollout_t *self, const elmopp_rollou
     ELMOPP_ASSERT((options->hold_count >= 1U) && (options->hold_count <= ELMOPP_ROLLOUT_HOLD_MAX));
     ELMOPP_ASSERT((options->rule_count >= 1U) && (options->rule_count <= ELMOPP_ROLLOUT_RULE_MAX));
     ELMOPP_ASSERT((options->others_max >= 1U) && (options->caution >= 0.0F) && (options->caution <= 1.0F));
+    ELMOPP_ASSERT(options->patience_veh_s >= 0.0F);
     ELMOPP_ASSERT(elmopp_future_is_sound(&options->future));
     for (uint32_t h = 0U; h < options->hold_count; h++) {
         ELMOPP_ASSERT(options->hold_s[h] >= 1U);

@@ -243,6 +243,14 @@ void test_the_rollout_takes_its_options() {
     TEST_ASSERT_TRUE(options.sight.gives_way);
     TEST_ASSERT_FALSE(state_of<elmopp_rollout_t>("rollout@no-gaps").options.sight.gives_way);
     expect_words(refusal("rollout@no-gaps=1"), {"no-gaps", "no value"});
+    TEST_ASSERT_EQUAL_UINT(25, state_of<elmopp_rollout_t>("rollout@patience=25").options.patience_s);
+    TEST_ASSERT_EQUAL_FLOAT(60.0F, options.patience_veh_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, state_of<elmopp_rollout_t>("rollout@patience=unlimited").options.patience_veh_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0F, state_of<elmopp_rollout_t>("rollout@red=unlimited").options.patience_veh_s);
+    const elmopp_rollout_options_t patient = state_of<elmopp_rollout_t>("rollout@red=unlimited@patience=30").options;
+    TEST_ASSERT_EQUAL_UINT(30, patient.patience_s);
+    TEST_ASSERT_EQUAL_FLOAT(60.0F, patient.patience_veh_s);
+    expect_words(refusal("rollout@patience=long"), {"patience", "long", "a number above 0", "or unlimited"});
     expect_words(late_refusal("rollout@horizon=151"), {"horizon", "rollout", "151", "1 to 150"});
     expect_words(late_refusal("rollout@weight=1.5"), {"weight", "rollout", "1.5", "at most 1"});
     expect_words(late_refusal("rollout@caution=1.5"), {"caution", "rollout", "1.5", "at most 1"});

@@ -7,12 +7,12 @@ sums taken anew. Where the firmware's header departs from the pseudo-code, so do
 departure, and who is overdue gets the next change, not one at once; a stage serves a movement if all its groups are in
 it; nobody is hidden without a reach; a second teaches one vehicle a lane at most; the reactive rule is pressure's,
 asked in every modelled second after the hold, which sees who drives in the reach of a green by then and is more than
-the mean; rows correct the mean as far as they have been better than it; without a
-reach nobody goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; and of
-the other stages the heaviest are tried, each rule held against the same rule after keeping, the mean gain less a part
-of what the worst one is behind it. A lane that gives way waits for the queue of those it gives way to, and then for
-gaps between them (gaps_reference); seconds in which one of them was there teach nothing. Where vehicles are seen to
-drive, each of a queue that gets green costs a stop.
+the mean; rows correct the mean as far as they have been better than it, the later the less; without a reach nobody
+goes in the second in which he comes; what is left at the horizon costs what it takes to clear it; who has waited long
+makes his stage worth more; and of the other stages the heaviest are tried, each rule held against the same rule after
+keeping, the mean gain less a part of what the worst one is behind it. A lane that gives way waits for the queue of
+those it gives way to, and then for gaps between them (gaps_reference); seconds in which one of them was there teach
+nothing. Where vehicles are seen to drive, each of a queue that gets green costs a stop.
 """
 
 from __future__ import annotations
@@ -76,7 +76,10 @@ class Setting:
     r_trig: int = 120
     f_rows: float = 0.5
     f_mean: float = 0.5
+    patience: int = 40
+    urge: float = 60.0  # vehicle-seconds, at most
     rows: int = 30
+    fade: int = 60
     by_skill: bool = True
 
 
@@ -232,6 +235,9 @@ class Rollout:
             if kept is not None:
                 gains = [before - after for before, after in zip(kept, costs, strict=True)]
                 values[s] += self.setting.caution * (fmean(gains) - min(gains))
+            beyond = max([self.red[j] - self.setting.patience for j in waiting if self.serves_well(s, j)], default=0)
+            if beyond > 0 and self.setting.urge > 0.0:
+                values[s] -= min(beyond * (1.0 + beyond / self.setting.urge), self.setting.urge)
         best = min(values, key=lambda s: (values[s], s != cur, -self._weight(s), s)) if values else cur
         w = max(waiting, key=lambda j: (self.red[j], -j))
         able = [s for s in range(len(self.site.stages)) if self.serves_well(s, w)]
@@ -255,6 +261,7 @@ class Rollout:
                 come = self.setting.f_mean * self.lam[lane]
                 if k - travel < min(len(row), self.setting.rows):
                     weight = self.row_weight(k - travel)
+                    weight *= 1.0 - (k - travel) / self.setting.fade if self.setting.by_skill else 1.0
                     kept = (1.0 - weight) * come if self.setting.by_skill else 0.0
                     come = kept + weight * share[lane] * row[k - travel]
                 rise = min(max(self.s[lane] - come, 0.0), hid[lane])

@@ -6,9 +6,11 @@
 /// Who drives in the reach arrives when he must (sight.h). Who will come is foreseen: the mean of the arrivals at
 /// mean_weight, m, and, as far as rows_s, m + w (r - m) with a forecast row's value r, each movement with its share. m
 /// is half the mean, because who may come is not who will: counted in full he keeps greens for nobody. w is what the
-/// rows have earned: accounts (account.h) of what they said 10 and 30 s ahead give their skill 1 - MSE of the rows /
-/// MSE of the mean, never below 0, and each row has that of the nearer one. So a forecast that knows nothing does no
-/// harm, and one that knows all counts in full. Who is hidden behind a full reach comes as fast as a queue can.
+/// rows have earned, and fades: accounts (account.h) of what they said 10 and 30 s ahead give their skill 1 - MSE of
+/// the rows / MSE of the mean, never below 0; each row has that of the nearer one, times 1 - k / fade_s for the row of
+/// k seconds later. So a forecast that knows nothing does no harm, and one that knows all counts in full at first; the
+/// later a row, the more often will have been decided anew until then, even if it is right. Who is hidden behind a full
+/// reach comes as fast as a queue can.
 ///
 /// It decides nothing and knows neither stage nor lamp. A row below 0 or not a number says nobody; of an approach
 /// without a row the mean is all that is expected, and on the account.
@@ -28,7 +30,8 @@
 typedef struct {
     uint16_t horizon_s; ///< seconds in the table, 1 to ELMOPP_HORIZON_MAX
     uint16_t rows_s;    ///< foreseen rows are read so far; the mean, as it is weighted, follows
-    bool weigh_skill;   ///< rows correct the mean as far as they have come true lately
+    bool weigh_skill;   ///< rows correct the mean as far as they have come true lately, the later the less
+    uint16_t fade_s;    ///< ... and not at all so late; at least 1
     float row_weight;   ///< otherwise they stand for themselves, by this weight, 0 to 1
     float mean_weight;  ///< of the mean arrivals, 0 to 1
 } elmopp_coming_options_t;

@@ -13,8 +13,12 @@
 /// the mean gain over the rules less caution times how much worse the worst of them is: a change must pay whatever is
 /// done after it. To take the best rule of each action instead is to believe the luckiest of many guesses: near
 /// capacity it changed twice as often as was good. The greatest gain above 0 wins, of equal ones the stage with more
-/// weight; the stage shown wins ties. A stage's score is minus its mean cost, less that doubt where a change is one; 0
-/// where it was not tried. At max_s, when the stage cannot be kept, the least mean cost wins.
+/// weight; the stage shown wins ties. A stage's score is minus its mean cost, less that doubt and more its urge where a
+/// change is one; 0 where it was not tried. At max_s, when the stage cannot be kept, the greatest score wins.
+///
+/// The urge of a stage is what it is worth beside its costs because somebody there has waited on red longer than
+/// patience_s: with o seconds beyond, o (1 + o / m), m = patience_veh_s at most. A minute of a vehicle brings him his
+/// green in light traffic, where a change costs little, and is nothing near capacity, where one costs many.
 ///
 /// The small ratios change soon, which is right in light traffic, the great ones empty their queues first, which is
 /// right where every change costs capacity. That nothing else says which it is, is the point.
@@ -51,6 +55,8 @@ typedef struct {
     elmopp_coming_options_t coming;           ///< horizon_s among them
     elmopp_future_options_t future;           ///< min_s and max_s among them
     uint16_t red_s;                           ///< who has waited so long is next; 0: no bound
+    uint16_t patience_s;                      ///< who has waited longer urges his stage
+    float patience_veh_s;                     ///< ... by so much at most; 0: nobody does
     uint8_t others_max;                       ///< stages tried beside the one shown, at least 1
     uint8_t hold_count;                       ///< of hold_s, at least 1
     uint8_t rule_count;                       ///< of ratio, at least 1
@@ -69,8 +75,8 @@ typedef struct {
 } elmopp_rollout_t;
 
 /// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 2, 3, 5 and 10 s,
-/// ratios 2.5, 4 and 6, caution 0.5, four other stages, green 5 to 60 s, red 120 s, half a second of the amber driven,
-/// 1.5 s for a stop.
+/// ratios 2.5, 4 and 6, caution 0.5, four other stages, green 5 to 60 s, red 120 s, patience 40 s and 60 veh s, half a
+/// second of the amber driven, 1.5 s for a stop.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
 /// Prepares the state and returns the chooser that uses it. Asserts what the options' comments say. The junction is
