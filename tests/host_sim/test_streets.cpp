@@ -129,6 +129,16 @@ void test_delay_is_against_driving_at_the_limit() {
     TEST_ASSERT_EQUAL_DOUBLE(14.0, world.streets->longest_wait_s()); // he has left, and is remembered
 }
 
+// The first waits 14 s, as above; the second comes to an open stop line.
+void test_the_longest_wait_is_the_greatest_and_not_the_last() {
+    World world(elmopp_site_one_way);
+    world.come(0, 2, 50, 500);
+    world.run(250, 0);
+    world.run(600, 1);
+    TEST_ASSERT_EQUAL_size_t(2, world.crossed_ds.size());
+    TEST_ASSERT_EQUAL_DOUBLE(14.0, world.streets->longest_wait_s());
+}
+
 void test_only_who_is_within_the_reach_is_counted() {
     World world(elmopp_site_one_way);
     world.come(0, 1, 50, 10);
@@ -547,6 +557,7 @@ int main() {
     RUN_TEST(test_headways_of_fractions_of_a_tick_do_not_add_up);
     RUN_TEST(test_who_comes_to_an_open_stop_line_loses_nothing);
     RUN_TEST(test_delay_is_against_driving_at_the_limit);
+    RUN_TEST(test_the_longest_wait_is_the_greatest_and_not_the_last);
     RUN_TEST(test_only_who_is_within_the_reach_is_counted);
     RUN_TEST(test_a_full_arm_keeps_vehicles_outside_and_their_waiting_counts);
     RUN_TEST(test_room_comes_to_the_tail_one_start_after_another);
