@@ -84,6 +84,12 @@ void elmopp_coming_observe(elmopp_coming_t *self, const elmopp_sight_t *sight, c
     }
 }
 
+/* What is left of a row's skill so much later; a fixed weight does not fade. */
+static float fade_of(const elmopp_coming_t *self, uint32_t row) {
+    const float left = 1.0F - ((float)row / (float)self->options.fade_s);
+    return self->options.weigh_skill ? elmopp_greater(left, 0.0F) : 1.0F;
+}
+
 /* Who reaches the edge of the reach in a later second: the mean, corrected by a row as far as it is believed. */
 static float foreseen(const elmopp_coming_t *self, const elmopp_view_t *view, uint32_t movement, uint32_t row) {
     const float expected_veh = self->expected_veh_per_s[movement];
@@ -92,12 +98,9 @@ static float foreseen(const elmopp_coming_t *self, const elmopp_view_t *view, ui
         return expected_veh;
     }
     const float said = view->share[movement] * said_veh(view, approach, row);
-    if (!self->options.weigh_skill) {
-        return self->options.row_weight * said;
-    }
-    const float skill = (row < NEAR_ROWS) ? self->near_weight : self->far_weight;
-    const float fade = elmopp_greater(1.0F - ((float)row / (float)self->options.fade_s), 0.0F);
-    return expected_veh + (skill * fade * (said - expected_veh));
+    const float base_veh = self->options.weigh_skill ? expected_veh : 0.0F;
+    const float weight = (row < NEAR_ROWS) ? self->near_weight : self->far_weight;
+    return base_veh + (weight * fade_of(self, row) * (said - base_veh));
 }
 
 /* Who is hidden behind a full reach and comes in a second in which so many come anyway. */

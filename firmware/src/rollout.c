@@ -89,10 +89,15 @@ static float doubt_of(const elmopp_rollout_t *self, const costs_t *kept, const c
 
 /* --- the decision --- */
 
+/* Whether somebody of a movement is there and a stage does not serve him. */
+static bool is_passed_over(const elmopp_rollout_t *self, uint32_t stage, uint32_t movement) {
+    return (self->sight.present_veh[movement] > 0.0F) && (!elmopp_sight_is_served(&self->sight, stage, movement));
+}
+
 static bool is_somebody_passed_over(const elmopp_rollout_t *self, uint32_t stage) {
     bool found = false;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        found = found || ((self->sight.present_veh[j] > 0.0F) && (!elmopp_sight_is_served(&self->sight, stage, j)));
+        found = found || is_passed_over(self, stage, j);
     }
     return found;
 }
@@ -110,8 +115,7 @@ static uint32_t overdue_movement(const elmopp_rollout_t *self, elmopp_stage_t sh
     uint32_t found = self->junction->movement_count;
     uint32_t longest_s = self->options.red_s;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const bool waits = (self->sight.present_veh[j] > 0.0F) && (!elmopp_sight_is_served(&self->sight, shown, j));
-        if (waits && (self->sight.red_s[j] >= longest_s)) {
+        if (is_passed_over(self, shown, j) && (self->sight.red_s[j] >= longest_s)) {
             found = j;
             longest_s = (uint32_t)self->sight.red_s[j] + 1U; /* another one must have waited longer */
         }
@@ -175,8 +179,8 @@ static elmopp_stage_t next_other(const elmopp_rollout_t *self, elmopp_stage_t sh
 static float urge_of(const elmopp_rollout_t *self, elmopp_stage_t shown, elmopp_stage_t stage) {
     uint32_t longest_s = self->options.patience_s;
     for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
-        const bool waits = (self->sight.present_veh[j] > 0.0F) && (!elmopp_sight_is_served(&self->sight, shown, j));
-        if (waits && elmopp_sight_is_served(&self->sight, stage, j) && (self->sight.red_s[j] > longest_s)) {
+        const bool waits = is_passed_over(self, shown, j) && elmopp_sight_is_served(&self->sight, stage, j);
+        if (waits && (self->sight.red_s[j] > longest_s)) {
             longest_s = self->sight.red_s[j];
         }
     }

@@ -260,10 +260,12 @@ class Rollout:
                 row = rows[self.site.approach[lane]] if rows else []
                 come = self.setting.f_mean * self.lam[lane]
                 if k - travel < min(len(row), self.setting.rows):
-                    weight = self.row_weight(k - travel)
-                    weight *= 1.0 - (k - travel) / self.setting.fade if self.setting.by_skill else 1.0
-                    kept = (1.0 - weight) * come if self.setting.by_skill else 0.0
-                    come = kept + weight * share[lane] * row[k - travel]
+                    weight, said = self.row_weight(k - travel), share[lane] * row[k - travel]
+                    if self.setting.by_skill:
+                        weight *= max(1.0 - (k - travel) / self.setting.fade, 0.0)
+                        come += weight * (said - come)
+                    else:
+                        come = weight * said
                 rise = min(max(self.s[lane] - come, 0.0), hid[lane])
                 hid[lane] -= rise
                 second.append(come + rise)

@@ -41,7 +41,7 @@ typedef struct {
     elmopp_coming_options_t options;
     elmopp_account_t near;                         ///< of the rows, ELMOPP_COMING_NEAR_S ahead
     elmopp_account_t far;                          ///< ... and ELMOPP_ACCOUNT_PROBE_S
-    float near_weight;                             ///< of the rows now, as far as the nearer account is nearer
+    float near_weight;                             ///< of the rows of the nearer account now, before they fade
     float far_weight;                              ///< ... and of those behind
     float expected_veh_per_s[ELMOPP_MOVEMENT_MAX]; ///< mean arrivals as they are weighted
     float arrived_veh[ELMOPP_MOVEMENT_MAX][ELMOPP_HORIZON_MAX + 1U]; ///< [][step] the queue and who comes before it
