@@ -163,7 +163,7 @@ def test_everything_can_be_done_by_keys(browser: Browser) -> None:
         focus("pause")
         browser.key(" ")
         browser.wait("document.getElementById('pause').textContent === 'Run'")
-        assert text(browser, "say") == "Paused."
+        browser.wait("document.getElementById('answer').textContent === 'Paused.'")
         stood = told(served)[-1]["t_s"]
         focus("step")
         browser.key("Enter")
@@ -173,7 +173,7 @@ def test_everything_can_be_done_by_keys(browser: Browser) -> None:
         browser.run("document.getElementById('vehicles').select()")
         browser.type("900")
         browser.key("Enter")
-        browser.wait("document.getElementById('say').textContent === 'Demand 900.'")
+        browser.wait("document.getElementById('answer').textContent === 'Demand 900.'")
         assert "1620 an hour" in text(browser, "per-hour")
         focus("chooser")
         for letter in "pressure":
@@ -185,7 +185,15 @@ def test_everything_can_be_done_by_keys(browser: Browser) -> None:
         browser.run("document.getElementById('vehicles').select()")
         browser.type("0")
         browser.key("Enter")
-        browser.wait("document.getElementById('say').textContent.startsWith('Refused: vehicles is 0; right would be')")
+        refused = "document.getElementById('answer').textContent.startsWith('Refused: vehicles is 0; right would be')"
+        browser.wait(refused)
+        # What the junction says of a new run does not wipe the refusal away.
+        served.wish({"restart": True, "chooser": "naive"})
+        served.wish({"step": 99})
+        browser.wait("document.getElementById('under').textContent.startsWith('naive, ')")
+        browser.wait("+document.body.dataset.second >= 90")
+        assert text(browser, "say") == "Mode automatic, fault: none."
+        assert browser.run(refused)
         # A refusal is what the page is for; the browser notes it on its own.
         browser.errors = [error for error in browser.errors if "400" not in error]
         expect_quiet(browser, address(served))
