@@ -108,7 +108,7 @@ const std::vector<ChooserKind> &chooser_kinds() {
          "the next stage that is cheapest in a model of the coming two minutes",
          false,
          true,
-         {"min=5", "max=60", "horizon=120", "weight=by-skill", "red=120", "rows=30", "others=4", "caution=0.5",
+         {"min=5", "max=60", "horizon=120", "weight=by-skill", "red=180", "rows=30", "others=4", "caution=0.5",
           "patience=40", "one-rule", "no-gaps", "no-look"}},
         {"itlc", "most vehicles in the ready area, green until they have crossed", true, false, {"ready=30"}},
         {"oaf", "oldest head first, green for one platoon", true, false, {"platoon=10"}},

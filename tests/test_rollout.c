@@ -70,7 +70,7 @@ static void test_the_defaults_are_those_that_were_measured(void) {
     TEST_ASSERT_EQUAL_UINT16(8U, measured.sight.travel_s[0]);
     TEST_ASSERT_EQUAL_UINT16(5U, measured.future.min_s);
     TEST_ASSERT_EQUAL_UINT16(60U, measured.future.max_s);
-    TEST_ASSERT_EQUAL_UINT16(120U, measured.red_s);
+    TEST_ASSERT_EQUAL_UINT16(180U, measured.red_s);
     TEST_ASSERT_EQUAL_UINT16(120U, measured.coming.horizon_s);
     const uint16_t hold_s[ELMOPP_ROLLOUT_HOLD_MAX] = {1U, 2U, 3U, 5U, 10U};
     TEST_ASSERT_EQUAL_UINT16_ARRAY(hold_s, measured.hold_s, measured.hold_count);
@@ -671,6 +671,28 @@ static void test_of_two_who_are_overdue_the_one_who_waits_longer_is_first(void) 
     TEST_ASSERT_EQUAL_UINT8(2U, ask_in(0U, 600U));
 }
 
+/* Of the stages of the last movement, overdue, the second one is the second movement's, too, and the third one that of
+   the long queue that is green now. */
+static elmopp_stage_t relief_of(float second_before_veh) {
+    options.red_s = 20U;
+    start_with_stages(3U);
+    junction.stage_groups[1] = (uint16_t)(junction.stage_groups[1] | junction.stage_groups[2]);
+    junction.stage_groups[2] = (uint16_t)(junction.stage_groups[0] | junction.stage_groups[2]);
+    start();
+    set_queues(90.0F, second_before_veh, 1.0F);
+    for (uint32_t t = 0U; t < 18U; t++) {
+        (void)ask_in(0U, 10U);
+    }
+    set_queues(90.0F, 1.0F, 1.0F);
+    (void)ask_in(0U, 10U);
+    return ask_in(0U, 600U);
+}
+
+static void test_who_is_overdue_takes_along_who_will_be_next(void) {
+    TEST_ASSERT_EQUAL_UINT8(1U, relief_of(1.0F));
+    TEST_ASSERT_EQUAL_UINT8(2U, relief_of(0.0F)); /* who has just come is not late, and the other stage is heavier */
+}
+
 static void test_who_is_overdue_and_blocked_does_not_hold_his_green(void) {
     options.red_s = 20U;
     start();
@@ -940,6 +962,7 @@ int main(void) {
     RUN_TEST(test_who_is_blocked_on_green_urges_nobody);
     RUN_TEST(test_who_has_waited_too_long_cuts_no_green_before_its_maximum);
     RUN_TEST(test_of_two_who_are_overdue_the_one_who_waits_longer_is_first);
+    RUN_TEST(test_who_is_overdue_takes_along_who_will_be_next);
     RUN_TEST(test_who_is_overdue_and_blocked_does_not_hold_his_green);
     RUN_TEST(test_a_junction_of_one_stage_keeps_it);
     RUN_TEST(test_whatever_is_counted_it_names_a_stage_and_finite_scores);

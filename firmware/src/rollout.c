@@ -19,7 +19,7 @@ elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s) {
                    .mean_weight = 0.5F},
         .future =
             {.min_s = 5U, .max_s = 60U, .blocked_share = 0.5F, .yellow_used_s = 0.5F, .look = true, .stop_s = 1.5F},
-        .red_s = 120U,
+        .red_s = 180U,
         .patience_s = 40U,
         .patience_veh_s = 60.0F,
         .others_max = 4U,
@@ -133,20 +133,44 @@ static float weight_of(const elmopp_rollout_t *self, uint32_t stage) {
     return sum;
 }
 
-/* The stage that serves a movement best, the heaviest among equals; ELMOPP_STAGE_NONE if none does. */
-static elmopp_stage_t stage_for(const elmopp_rollout_t *self, uint32_t movement) {
+/* Seconds beyond half of the bound that those have waited whom the stage would serve and the one shown does not,
+   together: who will be overdue next. */
+static uint32_t lateness_of(const elmopp_rollout_t *self, elmopp_stage_t shown, uint32_t stage) {
+    const uint32_t half_s = (uint32_t)self->options.red_s / 2U;
+    uint32_t sum_s = 0U;
+    for (uint32_t j = 0U; j < self->junction->movement_count; j++) {
+        const bool late = is_passed_over(self, shown, j) && (self->sight.red_s[j] > half_s);
+        if (late && elmopp_sight_is_served(&self->sight, stage, j)) {
+            sum_s += (uint32_t)self->sight.red_s[j] - half_s;
+        }
+    }
+    return sum_s;
+}
+
+/* What a stage is worth to who is overdue: the flow for his movement counts, then whom it takes along. */
+typedef struct {
+    float flow;
+    uint32_t late_s;
+    float weight;
+} relief_t;
+
+static bool is_better_relief(const relief_t *one, const relief_t *than) {
+    const bool as_late = (one->late_s == than->late_s) && (one->weight > than->weight);
+    return (one->flow > than->flow) || ((one->flow >= than->flow) && ((one->late_s > than->late_s) || as_late));
+}
+
+/* The stage that serves a movement best; ELMOPP_STAGE_NONE if none does. */
+static elmopp_stage_t stage_for(const elmopp_rollout_t *self, elmopp_stage_t shown, uint32_t movement) {
     elmopp_stage_t best = ELMOPP_STAGE_NONE;
-    float best_flow = 0.0F;
-    float best_weight = 0.0F;
+    relief_t most = {.flow = 0.0F, .late_s = 0U, .weight = 0.0F};
     for (uint32_t s = 0U; s < self->junction->stage_count; s++) {
-        const float flow = elmopp_sight_usual(&self->sight, s, movement);
-        const float weight = weight_of(self, s);
-        const bool better =
-            (best == ELMOPP_STAGE_NONE) || (flow > best_flow) || ((flow >= best_flow) && (weight > best_weight));
+        const relief_t relief = {.flow = elmopp_sight_usual(&self->sight, s, movement),
+                                 .late_s = lateness_of(self, shown, s),
+                                 .weight = weight_of(self, s)};
+        const bool better = (best == ELMOPP_STAGE_NONE) || is_better_relief(&relief, &most);
         if (better && elmopp_sight_is_served(&self->sight, s, movement)) {
             best = (elmopp_stage_t)s;
-            best_flow = flow;
-            best_weight = weight;
+            most = relief;
         }
     }
     return best;
@@ -224,7 +248,7 @@ static elmopp_stage_t best_prospects(elmopp_rollout_t *self, elmopp_stage_t show
 static elmopp_stage_t rescue_from(const elmopp_rollout_t *self, elmopp_stage_t shown) {
     const uint32_t overdue =
         (self->options.red_s > 0U) ? overdue_movement(self, shown) : self->junction->movement_count;
-    return (overdue < self->junction->movement_count) ? stage_for(self, overdue) : ELMOPP_STAGE_NONE;
+    return (overdue < self->junction->movement_count) ? stage_for(self, shown, overdue) : ELMOPP_STAGE_NONE;
 }
 
 static elmopp_stage_t decide_by_cost(elmopp_rollout_t *self, const elmopp_view_t *view, float score[ELMOPP_STAGE_MAX]) {

@@ -73,7 +73,7 @@ class Setting:
     g_max: int = 60
     yuse: float = 0.5
     stop: float = 1.5  # lost by who starts from a queue, where one is seen to drive
-    r_trig: int = 120
+    r_trig: int = 180
     f_rows: float = 0.5
     f_mean: float = 0.5
     patience: int = 40
@@ -242,8 +242,13 @@ class Rollout:
         w = max(waiting, key=lambda j: (self.red[j], -j))
         able = [s for s in range(len(self.site.stages)) if self.serves_well(s, w)]
         if best != cur and able and self.setting.r_trig and self.red[w] >= self.setting.r_trig:
-            best = max(able, key=lambda s: (self.usual(s, w), self._weight(s), -s))
+            best = max(able, key=lambda s: (self.usual(s, w), self._late(s, waiting), self._weight(s), -s))
         return best, values
+
+    def _late(self, stage: int, waiting: list[int]) -> int:
+        """How long the stage's own of those who wait have waited beyond half of the bound, together."""
+        half = self.setting.r_trig // 2
+        return sum(max(self.red[lane] - half, 0) for lane in waiting if self.serves_well(stage, lane))
 
     def _weight(self, stage: int) -> float:
         return sum(n * self.usual(stage, lane) for lane, n in enumerate(self.n))

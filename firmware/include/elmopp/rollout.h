@@ -24,7 +24,8 @@
 /// right where every change costs capacity. That nothing else says which it is, is the point.
 ///
 /// Where nobody waits on red, green rests. A movement that has waited red_s on the chooser's own clock (sight.h) gets
-/// the next change: when the costs say leave, or at max_s, the stage that serves it best follows, wherever they point.
+/// the next change: when the costs say leave, or at max_s, the stage that serves it best follows, wherever they point;
+/// of several the one that takes along who will be overdue next, so that each bound costs few changes.
 /// It does not cut the green short, because a cycle that is short of capacity would lose still more of it. So a
 /// movement that is overdue alone waits for red_s, the rest of a green and a change; of several one waits for another,
 /// and a vehicle of a queue beyond the reach may need two greens. It is a rule for fairness; the promise about red is
