@@ -95,6 +95,7 @@ class Network:
             phases=tuple(Phase(phase.state, phase.duration) for phase in logic.phases),
             lanes=tuple(lanes) + ((),) * (width - len(lanes)),
             foes=frozenset(self._foes(links)),
+            places=tuple(self._junction_of(link) for link in links),
         )
 
     def _foes(self, links: Links) -> Iterator[tuple[int, int]]:
@@ -112,6 +113,12 @@ class Network:
                 for second, second_place in members:
                     if first != second and nodes[name].areFoes(first_place, second_place):
                         yield first, second
+
+    def _junction_of(self, link: Sequence[tuple[str, str, str]]) -> str:
+        """The junction at which all connections of a link are; "" if it has none, or is not of one."""
+        nodes = {self._place(start, end)[0] for start, end, _ in link}
+        node = nodes.pop() if len(nodes) == 1 else None
+        return str(node.getID()) if node is not None else ""
 
     def _place(self, start: str, end: str) -> tuple[Any, int]:
         """The junction of a connection and its number there."""

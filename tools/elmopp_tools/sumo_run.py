@@ -41,9 +41,10 @@ SUMO_ERRORS = (libsumo.TraCIException, libsumo.FatalTraCIError)
 DESCRIPTION = """\
 Runs a SUMO scenario with every signal under one controller, once for each seed, and writes one line a seed.
 
-Green phases of the network's own programmes are the stages that a controller may choose from. Between them amber and
-all red, minimum and maximum green are the same for all: the core's plan sees to that, for SUMO's own controllers a
-programme that is made by the same rule. A controller knows what a camera of the given reach counts, nothing else."""
+A controller chooses from the green phases of the network's own programme and, unless --stages programme, from all
+other largest sets of lanes that never give way and do not cross. Between them amber and all red, minimum and maximum
+green are the same for all: the core's plan sees to that, for SUMO's own controllers a programme that is made by the
+same rule. A controller knows what a camera of the given reach counts, nothing else."""
 
 EPILOG = """\
 Controllers: every chooser of host_sim list, and SUMO's own: static, sumo-actuated, sumo-delay-based.
@@ -82,6 +83,7 @@ class Job:
     allow_partial: bool
     paths: Path | None
     neighbours: bool = False
+    complete: bool = True
 
     @property
     def foresees(self) -> bool:
@@ -156,6 +158,11 @@ def _parser() -> argparse.ArgumentParser:
         help="a change of stage waits so long at most while a vehicle stands inside the junction (default: 0, it does "
         "not); SUMO's own controllers never do",
     )  # fmt: skip
+    parser.add_argument(
+        "--stages", choices=("all", "programme"),
+        help="what may be chosen from: the programme's green phases, or all that is safe as well (default: all; SUMO's "
+        "own controllers have their programme)",
+    )  # fmt: skip
     parser.add_argument("--reach", metavar="M", type=_reach, default=100.0, help="how far cameras see (default: 100)")
     parser.add_argument(
         "--neighbours", action="store_true",
@@ -223,6 +230,8 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
     check_chooser("--chooser", options.chooser, times)
     if options.neighbours and options.chooser in TYPES:
         raise ScenarioError(f"--neighbours with --chooser {options.chooser} ; a chooser of ours, as SUMO's hear nobody")
+    if options.stages == "all" and options.chooser in TYPES:
+        raise ScenarioError(f"--stages all with --chooser {options.chooser} ; programme, as SUMO's run through theirs")
     if options.foretold and not options.chooser.endswith(ORACLE):
         raise ScenarioError(
             f"--foretold with --chooser {options.chooser} ; one with forecast oracle, as rollout{ORACLE}"
@@ -241,6 +250,7 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
             options.allow_partial,
             options.paths,
             options.neighbours,
+            complete=options.stages != "programme" and options.chooser not in TYPES,
         )
         for seed in options.seeds
     ]
@@ -395,7 +405,7 @@ def _signals(job: Job, network: Network) -> list[Signal]:
     refused: SignalError | None = None
     for name in names:
         try:
-            signals.append(read_signal(network.programme(name)))
+            signals.append(read_signal(network.programme(name), complete=job.complete))
         except SignalError as error:
             if not job.allow_partial:
                 raise

@@ -6,7 +6,8 @@
 Pure: it reads no network and no simulation (sumo_network.py does). Words of SUMO: a *link* is a numbered place in a
 signal's state, one letter each; a *phase* is such a state with a duration.
 
-- A *stage* is the set of links that a green phase lets go. A green phase has a green letter and no amber one.
+- A *stage* is the set of links that a green phase lets go. A green phase has a green letter and no amber one. On
+  request the stages are completed (sumo_stages.py), as those of a site have to be.
 - A *group* is the set of links that are green in the same stages. Links that are green in all are left green; links
   that are green in none stay as they are.
 - Two groups *conflict* if some link of one crosses a link of the other and they are green together in no phase. A
@@ -33,6 +34,7 @@ from elmopp_tools.site_model import (
 )
 from elmopp_tools.site_rules import check_junction
 from elmopp_tools.stages import bits_of
+from elmopp_tools.sumo_stages import more_stages, split_groups
 
 GREEN = "Gg"
 AMBER = "yYu"
@@ -74,13 +76,14 @@ class Phase:
 class Programme:
     """A signal as SUMO has it. `lanes[link]`: the incoming lanes behind that link, each (edge, lane).
 
-    `foes`: pairs of links whose paths cross or merge, both ways round.
+    `foes`: pairs of links whose paths cross or merge, both ways round. `places[link]`: its junction, "" if unknown.
     """
 
     name: str
     phases: tuple[Phase, ...]
     lanes: tuple[tuple[tuple[str, str], ...], ...]
     foes: frozenset[tuple[int, int]]
+    places: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,13 +111,17 @@ class Signal:
     approaches: tuple[tuple[int, ...], ...]
 
 
-def read_signal(programme: Programme) -> Signal:
-    """The signal that a programme describes. SignalError for one that cannot be controlled safely or not at all."""
+def read_signal(programme: Programme, *, complete: bool = False) -> Signal:
+    """The signal that a programme describes. SignalError for one that cannot be controlled safely or not at all.
+
+    `complete`: with the stages that the programme leaves out, as far as there is room for all of them and their groups.
+    """
     phases = _green_phases(programme)
     for phase in phases:
         _check_green(programme, phase)
-    columns = _columns(phases)
-    group_links = tuple(tuple(links) for links in columns.values())
+    group_links = [tuple(links) for links in _columns(phases).values()]
+    if complete:
+        phases, group_links = _completed(programme, phases, group_links)
     _check_count(programme, "groups of links that go together", len(group_links), GROUP_MAX)
     stages = tuple(
         sum((phase.state[links[0]] in GREEN) << group for group, links in enumerate(group_links)) for phase in phases
@@ -127,12 +134,25 @@ def read_signal(programme: Programme) -> Signal:
         states=tuple(phase.state for phase in phases),
         durations_s=tuple(phase.duration_s for phase in phases),
         stages=stages,
-        group_links=group_links,
+        group_links=tuple(group_links),
         conflict=_conflicts(programme, group_links, stages),
         foes=programme.foes,
         movements=movements,
         approaches=_approaches(movements),
     )
+
+
+def _completed(
+    programme: Programme, phases: list[Phase], group_links: list[tuple[int, ...]]
+) -> tuple[list[Phase], list[tuple[int, ...]]]:
+    """Phases and groups with the stages to add, after the programme's own; unchanged where they would be too many."""
+    states = [phase.state for phase in phases]
+    links = sorted(link for group in group_links for link in group)
+    added = more_stages(states, links, programme.lanes, programme.foes, programme.places)
+    groups = split_groups(group_links, [*states, *added])
+    if len(groups) > GROUP_MAX or len(states) + len(added) > STAGE_MAX:
+        return phases, group_links
+    return [*phases, *(Phase(state, 0.0) for state in added)], groups
 
 
 def junction_of(signal: Signal, times: Times, reach_m: float) -> Junction:
