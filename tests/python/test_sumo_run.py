@@ -280,6 +280,8 @@ def test_unknown_names_and_numbers(simple: tuple[Path, Path]) -> None:
     assert "'1,1'" in refused(*scenario, "--chooser", "naive", "--seeds", "1,1")
     assert "'0.5'" in refused(*scenario, "--chooser", "naive", "--reach", 0.5)
     assert "'11'" in refused(*scenario, "--chooser", "naive", "--junction-wait", 11)
+    assert "'phases'" in refused(*scenario, "--chooser", "naive", "--stages", "phases")
+    assert "--stages all with --chooser static" in refused(*scenario, "--chooser", "static", "--stages", "all")
     assert "--chooser" in refused(*scenario)
     assert "no/folder" in refused(*scenario, "--chooser", "naive", "--csv", "no/folder/x.csv")
     assert "no/folder" in refused(*scenario, "--chooser", "naive", "--paths", "no/folder/x.csv")

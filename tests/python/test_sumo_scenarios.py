@@ -81,6 +81,47 @@ def test_every_link_gets_green_and_only_those_that_cross_nobody_need_not_give_wa
             assert len(set(signal["states"])) == len(signal["states"]) <= 8
 
 
+@pytest.mark.parametrize(
+    ("name", "signals", "programme", "least"),
+    [("protected-low", ["C"], 4, 12), ("eight", ["C"], 8, 12), ("split", ["C"], 4, 6), ("paper", ["a", "c"], 8, 12)],
+)
+def test_stages_that_are_added_let_nobody_cross(
+    written: Path, tmp_path: Path, name: str, signals: list[str], programme: int, least: int
+) -> None:
+    """Of a chooser that takes any stage, in every second, by SUMO's own right-of-way."""
+    folder = written / name
+    net = folder / f"{name}.net.xml"
+    saver = "".join(f'<timedEvent type="SaveTLSStates" source="{s}" dest="{tmp_path}/{s}.xml"/>' for s in signals)
+    (tmp_path / "save.add.xml").write_text(f"<additional>{saver}</additional>")
+    scenario = tmp_path / "scenario.sumocfg"
+    scenario.write_text(
+        f'<configuration><input><net-file value="{net}"/><route-files value="{folder / name}.rou.xml"/>'
+        f'<additional-files value="save.add.xml"/></input></configuration>'
+    )
+    for stages, fewest, most in (("all", least, 99), ("programme", 1, programme)):
+        subprocess.run(
+            [
+                ROOT / "tools" / "sumo-run", "--sumocfg", scenario, "--chooser", "random", "--end", "1200",
+                "--stages", stages, "--csv", tmp_path / "rows.csv",
+            ],
+            check=True, timeout=120,
+        )  # fmt: skip
+        probe = [SUMO_BIN / "python", ROOT / "tests" / "python" / "sumo_greens_probe.py", "--shown", net]
+        files = [tmp_path / f"{signal}.xml" for signal in signals]
+        done = subprocess.run([*probe, *files], check=True, capture_output=True, timeout=60)
+        for signal, read in json.loads(done.stdout).items():
+            assert read["crossing"] == [], signal
+            greens = [state for state in read["states"] if "y" not in state and set(state) != {"r"}]
+            assert fewest <= len(greens), (signal, greens)
+            if stages == "programme":
+                full = [g for g in greens if not any(_is_part(g, other) for other in greens)]
+                assert len(full) <= most, (signal, full)
+
+
+def _is_part(state: str, other: str) -> bool:
+    return state != other and all(o.lower() == "g" for s, o in zip(state, other, strict=True) if s.lower() == "g")
+
+
 def test_left_turns_give_way_where_they_should_and_nowhere_else(written: Path) -> None:
     def states(name: str) -> list[str]:
         phases = root_of(written / name / f"{name}.net.xml").iter("phase")
