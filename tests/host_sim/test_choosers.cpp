@@ -219,7 +219,7 @@ void test_the_rollout_takes_its_options() {
     TEST_ASSERT_EQUAL_UINT(5, options.future.min_s);
     TEST_ASSERT_EQUAL_UINT(60, options.future.max_s);
     TEST_ASSERT_EQUAL_UINT(120, options.coming.horizon_s);
-    TEST_ASSERT_EQUAL_UINT(120, options.red_s);
+    TEST_ASSERT_EQUAL_UINT(180, options.red_s);
     TEST_ASSERT_EQUAL_UINT(3, options.rule_count);
     TEST_ASSERT_EQUAL_UINT(4, options.others_max);
     TEST_ASSERT_EQUAL_FLOAT(0.5F, options.caution);
