@@ -76,7 +76,7 @@ typedef struct {
 } elmopp_rollout_t;
 
 /// The measured setting: horizon 120 s, rows by their skill as far as it is measured, 30 s, holds 1, 2, 3, 5 and 10 s,
-/// ratios 2.5, 4 and 6, caution 0.5, four other stages, green 5 to 60 s, red 120 s, patience 40 s and 60 veh s, half a
+/// ratios 2.5, 4 and 6, caution 0.5, four other stages, green 5 to 60 s, red 180 s, patience 40 s and 60 veh s, half a
 /// second of the amber driven, 1.5 s for a stop.
 elmopp_rollout_options_t elmopp_rollout_defaults(uint16_t travel_s);
 
