@@ -106,8 +106,8 @@ def test_stages_that_are_added_let_nobody_cross(
             ],
             check=True, timeout=120,
         )  # fmt: skip
-        probe = [SUMO_BIN / "python", ROOT / "tests" / "python" / "sumo_greens_probe.py", "--shown", net]
-        files = [tmp_path / f"{signal}.xml" for signal in signals]
+        probe = [str(SUMO_BIN / "python"), str(ROOT / "tests" / "python" / "sumo_greens_probe.py"), "--shown", str(net)]
+        files = [str(tmp_path / f"{signal}.xml") for signal in signals]
         done = subprocess.run([*probe, *files], check=True, capture_output=True, timeout=60)
         for signal, read in json.loads(done.stdout).items():
             assert read["crossing"] == [], signal
