@@ -8,7 +8,7 @@ from random import Random
 
 import pytest
 from elmopp_tools.sumo_signal import Phase, Programme, Signal, Times, junction_of, read_signal
-from elmopp_tools.sumo_stages import more_stages, split_groups, streams_of
+from elmopp_tools.sumo_stages import more_stages, streams_of
 
 TIMES = Times(yellow_s=3, all_red_s=2, min_green_s=5, max_green_s=60, red_bound_s=0)
 
@@ -111,8 +111,14 @@ def test_too_many_stages_or_groups_are_none() -> None:
 
 
 def test_groups_are_cut_where_stages_part_them() -> None:
-    assert split_groups([(0, 2), (1,)], ["GrG", "rGr"]) == [(0, 2), (1,)]
-    assert split_groups([(0, 2), (1,)], ["GrG", "rGr", "Ggr"]) == [(0,), (2,), (1,)]
+    """Links 1 and 2 cross; 0 and 1 together is the stage that is added."""
+    lanes = tuple(((edge, f"{edge}_0"),) for edge in "ABC")
+    phases = (Phase("GrG", 30.0), Phase("rGr", 30.0))
+    programme = Programme("J", phases, lanes, frozenset({(1, 2), (2, 1)}), ("J",) * 3)
+    assert read_signal(programme).group_links == ((0, 2), (1,))
+    signal = read_signal(programme, complete=True)
+    assert signal.states == ("GrG", "rGr", "GGr")
+    assert signal.group_links == ((0,), (1,), (2,))
 
 
 def any_signal(random: Random) -> tuple[list[str], list[tuple[tuple[str, str]]], frozenset[tuple[int, int]]]:

@@ -19,7 +19,7 @@ signal's state, one letter each; a *phase* is such a state with a duration.
   they are not a flow with gaps.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from elmopp_tools.site_build import build_junction
@@ -34,7 +34,7 @@ from elmopp_tools.site_model import (
 )
 from elmopp_tools.site_rules import check_junction
 from elmopp_tools.stages import bits_of
-from elmopp_tools.sumo_stages import more_stages, split_groups
+from elmopp_tools.sumo_stages import cross, more_stages
 
 GREEN = "Gg"
 AMBER = "yYu"
@@ -119,9 +119,9 @@ def read_signal(programme: Programme, *, complete: bool = False) -> Signal:
     phases = _green_phases(programme)
     for phase in phases:
         _check_green(programme, phase)
-    group_links = [tuple(links) for links in _columns(phases).values()]
     if complete:
-        phases, group_links = _completed(programme, phases, group_links)
+        phases = _completed(programme, phases)
+    group_links = tuple(tuple(links) for links in _columns(phases).values())
     _check_count(programme, "groups of links that go together", len(group_links), GROUP_MAX)
     stages = tuple(
         sum((phase.state[links[0]] in GREEN) << group for group, links in enumerate(group_links)) for phase in phases
@@ -134,7 +134,7 @@ def read_signal(programme: Programme, *, complete: bool = False) -> Signal:
         states=tuple(phase.state for phase in phases),
         durations_s=tuple(phase.duration_s for phase in phases),
         stages=stages,
-        group_links=tuple(group_links),
+        group_links=group_links,
         conflict=_conflicts(programme, group_links, stages),
         foes=programme.foes,
         movements=movements,
@@ -142,17 +142,13 @@ def read_signal(programme: Programme, *, complete: bool = False) -> Signal:
     )
 
 
-def _completed(
-    programme: Programme, phases: list[Phase], group_links: list[tuple[int, ...]]
-) -> tuple[list[Phase], list[tuple[int, ...]]]:
-    """Phases and groups with the stages to add, after the programme's own; unchanged where they would be too many."""
+def _completed(programme: Programme, phases: list[Phase]) -> list[Phase]:
+    """With the stages to add, after the programme's own; unchanged where they or their groups would be too many."""
+    links = sorted(link for group in _columns(phases).values() for link in group)
     states = [phase.state for phase in phases]
-    links = sorted(link for group in group_links for link in group)
     added = more_stages(states, links, programme.lanes, programme.foes, programme.places)
-    groups = split_groups(group_links, [*states, *added])
-    if len(groups) > GROUP_MAX or len(states) + len(added) > STAGE_MAX:
-        return phases, group_links
-    return [*phases, *(Phase(state, 0.0) for state in added)], groups
+    whole = [*phases, *(Phase(state, 0.0) for state in added)]
+    return whole if len(whole) <= STAGE_MAX and len(_columns(whole)) <= GROUP_MAX else phases
 
 
 def junction_of(signal: Signal, times: Times, reach_m: float) -> Junction:
@@ -321,16 +317,12 @@ def _conflicts(programme: Programme, group_links: Sequence[Sequence[int]], stage
             together[group] |= stage
     return tuple(
         sum(
-            _cross(programme.foes, links, others) << other
+            cross(links, others, programme.foes) << other
             for other, others in enumerate(group_links)
             if other != group and not together[group] >> other & 1
         )
         for group, links in enumerate(group_links)
     )
-
-
-def _cross(foes: frozenset[tuple[int, int]], links: Iterable[int], others: Sequence[int]) -> bool:
-    return any((first, second) in foes or (second, first) in foes for first in links for second in others)
 
 
 def _movements(

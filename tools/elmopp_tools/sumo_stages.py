@@ -10,7 +10,7 @@ links go that cross or merge, so it needs no judgement that the network does not
 has them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 from elmopp_tools.stages import bits_of, enumerate_stages
 
@@ -30,7 +30,7 @@ def more_stages(
         return []
     streams = [stream for stream in streams_of(links, lanes) if _is_simple(stream, states, lanes, foes)]
     conflict = [
-        sum(_cross(stream, other, foes) << at for at, other in enumerate(streams) if other is not stream)
+        sum(cross(stream, other, foes) << at for at, other in enumerate(streams) if other is not stream)
         for stream in streams
     ]
     added = []
@@ -39,17 +39,6 @@ def more_stages(
         if not any(all(state[link] == "G" for link in going) for state in states):
             added.append("".join(_letter(states, link, links, going) for link in range(len(states[0]))))
     return added
-
-
-def split_groups(group_links: Sequence[Sequence[int]], states: Sequence[str]) -> list[tuple[int, ...]]:
-    """The groups of links cut up so that all links of each are green in the same of these states."""
-    found: list[tuple[int, ...]] = []
-    for group in group_links:
-        pieces: dict[tuple[bool, ...], list[int]] = {}
-        for link in group:
-            pieces.setdefault(tuple(state[link] in "Gg" for state in states), []).append(link)
-        found += [tuple(piece) for piece in pieces.values()]
-    return found
 
 
 def streams_of(links: Sequence[int], lanes: Lanes) -> list[frozenset[int]]:
@@ -63,6 +52,11 @@ def streams_of(links: Sequence[int], lanes: Lanes) -> list[frozenset[int]]:
     return sorted((frozenset(stream[0]) for stream in streams), key=min)
 
 
+def cross(links: Iterable[int], others: Collection[int], foes: Foes) -> bool:
+    """Whether a link of the one crosses or merges with one of the other."""
+    return any((first, second) in foes or (second, first) in foes for first in links for second in others)
+
+
 def _is_one_junction(links: Sequence[int], places: Sequence[str]) -> bool:
     """Whether it is known of all links that they are of one junction."""
     return all(link < len(places) and places[link] for link in links) and len({places[link] for link in links}) == 1
@@ -71,11 +65,7 @@ def _is_one_junction(links: Sequence[int], places: Sequence[str]) -> bool:
 def _is_simple(stream: frozenset[int], states: Sequence[str], lanes: Lanes, foes: Foes) -> bool:
     walked = any(edge.startswith(":") for link in stream for edge, _ in lanes[link])
     gives_way = any(state[link] == "g" for state in states for link in stream)
-    return not walked and not gives_way and not _cross(stream, stream, foes)
-
-
-def _cross(links: frozenset[int], others: frozenset[int], foes: Foes) -> bool:
-    return any((first, second) in foes or (second, first) in foes for first in links for second in others)
+    return not walked and not gives_way and not cross(stream, stream, foes)
 
 
 def _letter(states: Sequence[str], link: int, links: Sequence[int], going: frozenset[int]) -> str:
